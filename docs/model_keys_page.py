@@ -13,8 +13,9 @@ TOP = """# Model keys
 
 All keys of a [model file](howto/model-file.md) with values, units, defaults and meanings. Where a
 unit is given, a value may also be a text with a unit. `shellcut keys WORD` searches the keys on
-the command line; `--set SECTION.KEY=VALUE` sets one for a run. `python docs/model_keys_page.py`
-makes this page.
+the command line; `--set SECTION.KEY=VALUE` sets one for a run, `--set SECTION.0.KEY=VALUE` that of
+the first of several tables: `material.layers.0.thickness`, `loads.0.value`.
+`python docs/model_keys_page.py` makes this page.
 
 """
 HEAD = "| key | value | unit | default | meaning |\n|---|---|---|---|---|"

@@ -15,6 +15,7 @@ from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.free_parameters import FreeParameters
 from shellcut.study.plan import sought
+from shellcut.study.report import report_found
 from tiny_study import SETTINGS
 
 PLATEAU, OPENING = "cohesive.plateau", "cohesive.opening_u"
@@ -214,6 +215,15 @@ def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):
     assert any(note.startswith("the verdict distrusts ") for note in found.notes)
     assert (tmp_path / "fit.json").exists()
     assert (tmp_path / "fit.png").exists()
+    page = report_found(tmp_path / "fit.json").read_text()
+    for said in (
+        PLATEAU,
+        f"{plateau.value:.5g}",
+        "95 % interval",
+        "The motion is too fast",
+        "<img",
+    ):
+        assert said in page, said
     lines.clear()
     assert str(fitted()) == str(found)
     assert not [line for line in lines if line.startswith("[")]

@@ -229,7 +229,7 @@ def test_tables_of_layers_have_the_lines_of_their_layer(tmp_path):
     path.write_text(f'model = "opening"\n{ply}yield_stress = 9\n{ply}yield_stress = -9\n')
     with pytest.raises(ModelFileError) as refused:
         read_model(path)
-    said = "a.toml:9: [[material.layers]] 2.hardening.yield_stress must be positive, got -9.0 MPa"
+    said = "a.toml:9: [material.layers.1.hardening].yield_stress must be positive, got -9.0 MPa"
     assert said in str(refused.value)
     path.write_text(f'model = "opening"\n{ply}yield_stress = 9\n{ply}yield_stress = 8\n')
     model = read_model(path)

@@ -95,9 +95,9 @@ safety = true
         "N s^2/mm^3",
         "x.toml:18: unknown key [material].pitch; there is [motion].pitch",
         'x.toml:19: [[supports]] belongs to model = "free"; the opening holds its film by itself',
-        "x.toml:22: [[loads]] 1.kind 'wind' is unknown; there are gravity, pressure, force, "
+        "x.toml:22: [loads.0].kind 'wind' is unknown; there are gravity, pressure, force, "
         "moment, traction",
-        "x.toml:23: [[loads]] 2.kind must be given: one of gravity, pressure, force, moment, "
+        "x.toml:23: [loads.1].kind must be given: one of gravity, pressure, force, moment, "
         "traction",
         "x.toml:26: [time].safety must be a number, got True",
     ]
@@ -170,7 +170,7 @@ def test_files_of_windows_editors_are_read(tmp_path):
         (
             "model = 'opening'\n[[material.layers]]\nyoung = 1\npoisson = 0.3\ndensity = 1\n"
             "thickness = 1",
-            "x.toml:5: [[material.layers]] 1: density must be in t/mm",
+            "x.toml:5: [material.layers.0]: density must be in t/mm",
         ),
     ],
 )
@@ -340,7 +340,10 @@ def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeyp
             "set density=1000: [material]: density must be in t/mm³, got 1000.0, heavier than any "
             "matter: 1000 kg/m³, or 1 g/cm³, is 1e-9 t/mm³",
         ),
-        ({"loads.value": 3}, "[[loads]] can occur several times: write it in the file"),
+        (
+            {"loads.value": 3},
+            "loads are several tables: name one by its place from 0 on, loads.0.value",
+        ),
     ],
 )
 def test_an_override_that_fits_not_is_named(overrides, said):
@@ -451,9 +454,9 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
         (
             "[motion]",
             '[[supports]]\nnodes = "lfet"\n[motion]',
-            "x.toml:13: [supports]: ",
+            "x.toml:13: [supports.0]: ",
         ),
-        ("[motion]", '[[loads]]\nvalue = 1\nquads = "all"\n[motion]', "x.toml:13: [loads]: "),
+        ("[motion]", '[[loads]]\nvalue = 1\nquads = "all"\n[motion]', "x.toml:13: [loads.0]: "),
         ("length = 6.0\nwidth", "outline = [[0,0],[1,1],[1,0],[0,1]]\nsize=1\n[a]\nwidth", "[a]"),
         ("[1, 0, 0]", "[0, 0, 0]", "x.toml:14: [motion]: direction must"),
     ],

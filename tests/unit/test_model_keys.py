@@ -89,7 +89,7 @@ VARIED = {
     "mesh": "M1",
     "clamp": ["other"],
     "unit": 2.0,
-    "axis": [1.0, 0.0, 0.0],
+    "axis": [0.0, 1.0, 0.0],  # a strip along x stays one
     "outline": [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]],
     "holes": [[[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0]]],
     "ring_radii": [4.0],
@@ -512,14 +512,17 @@ def test_the_schema_of_studies_knows_the_keys_of_models():
             "motion.pitch": "12 mm : 20 mm",
             "tool.file": "caps/*.stl",
             "material.hardening.yield_stress": [10, "20 MPa"],
+            "material.layers.1.thickness": [0.02, "30 um"],
+            "loads.0.value": [1, 2],
             "cohesive.plateau, cohesive.strength": [[12, 18], [10, 15]],
         },
     }
     assert problems(study_schema(), study) == {}
     for where, wrong, said in (
-        ("set", {"tool.teehs": 3}, "'tool.teehs' was unexpected"),
-        ("set", {"loads.value": 3}, "'loads.value' was unexpected"),
-        ("set", {"material.layers.hardening.gain": 3}, "gain' was unexpected"),
+        ("set", {"tool.teehs": 3}, "'tool.teehs' does not match"),
+        ("set", {"loads.value": 3}, "'loads.value' does not match"),
+        ("set", {"material.layers.hardening.gain": 3}, "gain' does not match"),
+        ("set", {"material.layers.0.thickness": "3 kg"}, "'3 kg' does not match"),
         ("factors", {"tool.teehs": [3]}, "'tool.teehs' does not match"),
         ("set", {"tool.teeth": "four"}, "'four' is not of type 'integer'"),
         ("factors", {"tool.half_thickness": [0.2, "3 kg"]}, "'3 kg' does not match"),

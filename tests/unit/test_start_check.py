@@ -85,7 +85,7 @@ def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
     with pytest.raises(ValueError, match="or leave a slot for it out") as refusal:
         check_tool_outside(MESH, BLADE, grid, pose, motion)
     text = str(refusal.value)
-    assert ("its axis or the direction of its motion may be wrong" in text) == turned
+    assert ("the direction of its motion or the film's plane" in text) == turned
     back = re.findall(r"start back by \((.*?)\) mm \(\[tool\] shift\),", text)
     assert len(back) == (least is not None)
     for shift in back:
@@ -117,7 +117,8 @@ def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
         check_tool_outside(mesh, ring, grid, Pose.of(on_its_side, np.zeros(3)), screw)
     said = str(refusal.value)
     assert re.search(
-        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it: its axis", said
+        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it or the film: its axis",
+        said,
     )
 
 

@@ -15,6 +15,7 @@ from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_held_film, check_hold
 from .path import check_path
 from .piercing import check_piercing
+from .place import meeting_remedy
 from .plausible import check_numbers, check_table
 from .row import Rows
 from .steps import check_steps
@@ -114,14 +115,15 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
         yield from check_table(sim.motion)
     yield from check_hold(mesh, support)
     never_in = sweep is None or not len(sweep.place)
-    untouched = list(check_touch(sim, until)) if never_in else []
+    remedy = meeting_remedy(sim, until) if never_in and sweep is not None else ""
+    untouched = list(check_touch(sim, until, remedy)) if never_in else []
     yield from untouched
     if sweep is None:
         return  # a blunt tool has no edges whose way could be checked
     yield from check_held_film(sweep, support)
     along_edges = sim.fracture.path == "edges"
     if law is not None and not untouched:
-        yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture)
+        yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture, remedy)
         if sim.fracture.blade_cut and sim.fracture.puncture_force is None:
             yield from check_piercing(sim, law, sweep)
     edge = float(np.median(mesh.edge_lengths()))

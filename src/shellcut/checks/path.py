@@ -38,15 +38,20 @@ RUNGS = 2.0
 
 
 def check_path(
-    mesh: Mesh, support: Bools, law: CohesiveLaw, sweep: Sweep, fracture: Fracture
+    mesh: Mesh,
+    support: Bools,
+    law: CohesiveLaw,
+    sweep: Sweep,
+    fracture: Fracture,
+    remedy: str = "",
 ) -> Iterator[Finding]:
     """Yield findings on the path of the cutting edges over the tool's whole motion.
 
     ``support`` tells the held components of each node, the law is of cables that the edges have
-    met.
+    met, ``remedy`` what makes them meet a film that they miss.
     """
     along_edges = fracture.path == "edges"
-    yield from _fates(sweep)
+    yield from _fates(sweep, remedy)
     if not len(sweep.place):
         return
     yield from _attack(sweep)
@@ -91,15 +96,16 @@ def edge_line(sweep: Sweep) -> str:
     return "cut    " + "; ".join(parts)
 
 
-def _fates(sweep: Sweep) -> Iterator[Finding]:
+def _fates(sweep: Sweep, remedy: str) -> Iterator[Finding]:
     fates = sweep.fates
     never = [fate.chain for fate in fates if not fate.meets]
     if len(never) == len(fates):
         yield doubt(
             "a cutting edge must pass through the film during the motion",
             f"none of {len(fates)} that does so up to {1e3 * sweep.duration:.4g} ms",
-            "check place and unit of the tool, the motion and its duration (shellcut preview draws "
-            "them)",
+            remedy
+            or "check place and unit of the tool, the motion and its duration (shellcut preview "
+            "draws them)",
         )
         return
     if never:

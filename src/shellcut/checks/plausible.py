@@ -22,6 +22,7 @@ from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
 from .finding import DOUBT, REFUSE, Finding, doubt, note
+from .place import in_inches
 
 THINNEST = 1e-4
 """[mm]; capacitor films, the thinnest on the market, have 5e-4 mm."""
@@ -208,12 +209,13 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
             "between them nothing resists the tooth",
             f"{counted(len(small), 'body', 'bodies')} of the tool, of which body {small[0] + 1} is "
             f"{extents[small[0]]:.3g} mm in size, and sides of {edge:.3g} mm",
-            "give the unit of the tool's file, or take a finer film",
+            f"give the unit of the tool's file ({in_inches(extents[small[0]], 'it')}), or take a "
+            "finer film",
         )
     film, whole = film_size(mesh), float(np.linalg.norm(np.ptp(tool.vertices, axis=0)))
     if whole > 100.0 * film:
         yield doubt(
             "tool and film should be of similar size",
             f"a tool of {whole:.4g} mm and a film of {film:.4g} mm",
-            "give the unit of the tool's file, or of the film's",
+            f"give the unit of the tool's file, or of the film's ({in_inches(film, 'the film')})",
         )

@@ -27,7 +27,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, each, norm, product, unit
 from shellcut.mesh.mesh import Mesh
-from shellcut.mesh.quad_geometry import corner_normals
+from shellcut.mesh.quad_geometry import corner_normals, plane_normal
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
@@ -35,7 +35,6 @@ from shellcut.tool.tool import Tool
 _FEWEST_TIMES, _MOST_TIMES = 200, 2000
 _FINEST = 0.1  # edge lengths: of cutting-edge vertices closer together only some are sampled
 _MOST_HEIGHTS = 2_000_000  # points of edges times number of times: fractions of a second
-_FLATNESS = 1e-6  # extents of the film off a plane below which it is flat
 _NEAREST_QUADS = 16  # quads, by centre, in which a place is searched
 _FINE = 0.05  # edge lengths between points of the path
 _AT_REST = 1e-6  # of that: an edge that moves by less stands still
@@ -294,11 +293,10 @@ class _Search:
         self._size = np.sqrt(mesh.quad_areas())
         self._tree = scipy.spatial.cKDTree(self._centres)
         self._edge_length = float(np.median(self._size))
-        normal = self._normals.mean(axis=0)
-        normal /= max(float(norm(normal)), np.finfo(float).tiny)
-        level = product(mesh.nodes, normal)
-        flat = np.ptp(level) <= _FLATNESS * norm(np.ptp(mesh.nodes, axis=0))
-        self._plane = (normal, float(level.mean())) if flat else None
+        normal = plane_normal(mesh.nodes, mesh.quads)
+        self._plane = None
+        if normal is not None:
+            self._plane = normal, float(product(mesh.nodes, normal).mean())
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
         self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
         self._times, self.n_time = self._moments()

@@ -26,11 +26,11 @@ _WHOLE = 1e-3  # of the largest velocity by which nodes of a film that moves as 
 _TIMES = 60  # of the motion; a step of it is also as near as can be told
 
 
-def check_touch(sim: Simulation, until: float) -> Iterator[Finding]:
+def check_touch(sim: Simulation, until: float, remedy: str = "") -> Iterator[Finding]:
     """Yield a doubt if the tool stays away from the film, which nothing else deforms.
 
     Where it comes nearer than the points can tell, or than it goes on in a step of the motion, it
-    may touch.
+    may touch. A remedy that is known is named; else the way to the nearest place.
     """
     tool, motion = sim.tool, sim.motion_in_film(until)
     if tool is None or motion is None or sim.inputs["loads"] or _changes_shape(sim, until):
@@ -54,8 +54,9 @@ def check_touch(sim: Simulation, until: float) -> Iterator[Finding]:
         "",
         f"the tool never touches the film: at its nearest, at {1e3 * until * k / _TIMES:.3g} ms "
         f"of {1e3 * until:.3g} ms, {least[k]:.2g} mm lie between them",
-        f"move it by {point_text(shift)} mm ([tool] shift), or change its motion (direction, axis, "
-        "pitch, duration)",
+        remedy
+        or f"move it by {point_text(shift)} mm ([tool] shift), or change its motion (direction, "
+        "axis, pitch, duration)",
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -45,6 +46,7 @@ _COMMANDS = (
 )
 """A file each, whose text is the help: in one line, at length, and an example."""
 _RUNS = ("run", "resume")
+_OPTION = re.compile(r"-{1,2}[A-Za-z]|$")
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
 """Commands that show figures, in units of the user's choice."""
 
@@ -54,9 +56,20 @@ class _Parser(argparse.ArgumentParser):
         """End as argparse does, and name the option for a key without one."""
         words = message.split()
         keys = [word for word in words if "=" in word and not word.startswith("-")]
-        if message.startswith("unrecognized arguments") and keys:
+        if message.startswith("unrecognized arguments") and "--set" in words:
+            message += "; only commands that run or draw a model set its keys"
+        elif message.startswith("unrecognized arguments") and keys:
             message += f"; keys of the model are set by --set {' --set '.join(keys)}"
         super().error(message)
+
+    def refuse_parted_settings(self, words: Sequence[str]) -> None:
+        """End with how to write a setting that has a blank in the place of its sign."""
+        for flag, key, *rest in (words[k : k + 4] for k in range(len(words) - 1)):
+            if flag not in ("--set", "--confirm") or "=" in key or key.startswith("-"):
+                continue
+            value = next((one for one in rest if one != "="), "")
+            if not _OPTION.match(value):
+                self.error(f"{flag} {key}: must be KEY=VALUE, write {flag} {key}={value}")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -73,6 +86,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 if isinstance(stream, TextIOWrapper):
                     stream.reconfigure(errors="backslashreplace")
             parser = parser_of_all()
+            parser.refuse_parted_settings(sys.argv[1:] if argv is None else argv)
             arguments = parser.parse_args(argv)
             return _done(arguments)
     except KeyboardInterrupt:
@@ -105,7 +119,7 @@ def _done(arguments: argparse.Namespace) -> int:
     return code
 
 
-def parser_of_all() -> argparse.ArgumentParser:
+def parser_of_all() -> _Parser:
     """Return the parser with all subcommands."""
     parser = _Parser(
         prog="shellcut",

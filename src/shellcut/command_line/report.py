@@ -1,8 +1,8 @@
-"""``report``: write an HTML report of a run or a study.
+"""``report``: write an HTML report of a run, a study, a fit or a search.
 
 Write one self-contained HTML file about a run: verdict, figures, curves, pictures. An interrupted
 run is reported up to its last record. Of a study (the folder of shellcut sweep): table, curves,
-figures over factors.
+figures over factors. Of shellcut fit and optimise: values, curves, runs.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .shared_arguments import named
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument(
-        "folder", metavar="OUT", type=named, help="result folder of the run or the study"
+        "folder", metavar="OUT", type=named, help="result folder of the run, study, fit or search"
     )
     parser.add_argument(
         "-o", "--output", metavar="FILE", type=named, help="file to write [OUT/report.html]"
@@ -42,16 +42,27 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _written(arguments: argparse.Namespace) -> Path:
+    from shellcut.study.fit_result import FIT
+    from shellcut.study.optimise import OPTIMUM
+    from shellcut.study.plan import RUNS
+    from shellcut.study.report import report_found, report_study
     from shellcut.study.study_file import STUDY
 
-    if (arguments.folder / STUDY).is_file():
-        from shellcut.study.report import report_study
-
-        if arguments.measured:
-            raise ValueError(
-                "a measured curve is compared with one run: give the folder of a run, "
-                f"{arguments.folder / 'runs'}/..."
-            )
-        return report_study(arguments.folder, arguments.output)
-    found = compared(arguments, arguments.folder) if arguments.measured else None
-    return report_run(arguments.folder, arguments.output, measured=found)
+    folder: Path = arguments.folder
+    there = [name for name in (STUDY, FIT, OPTIMUM) if (folder / name).is_file()]
+    if arguments.measured and there:
+        raise ValueError(
+            "a measured curve is compared with one run: give the folder of a run, "
+            f"{folder / RUNS}/..."
+        )
+    if STUDY in there:
+        return report_study(folder, arguments.output)
+    if there:
+        return report_found(folder / there[0], arguments.output)
+    if (folder / RUNS).is_dir():
+        raise FileNotFoundError(
+            f"{folder} holds runs, but none of {STUDY}, {FIT}, {OPTIMUM}: what runs them has not "
+            f"ended, the same call goes on; one of them: shellcut report {folder / RUNS}/..."
+        )
+    found = compared(arguments, folder) if arguments.measured else None
+    return report_run(folder, arguments.output, measured=found)

@@ -19,6 +19,7 @@ from .shared_arguments import named
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
+    parser.add_argument("--set", action="append", dest="settings", help=argparse.SUPPRESS)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -33,6 +34,12 @@ def run(arguments: argparse.Namespace) -> int:
         return refuse(f"{folder}: there is no such folder")
     if not used.is_file():
         return refuse(f"{folder} holds no {USED}: it is not a folder of shellcut run")
+    if arguments.settings:
+        settings = " ".join(f"--set {one}" for one in arguments.settings)
+        return refuse(
+            f"resume goes on with the model as the run began, without {settings}; for another "
+            f"value begin a run: shellcut run {used} {settings} -o OTHER"
+        )
     refuse_if_in_use(folder)
     model = read_model(used)
     wrong = []

@@ -82,7 +82,10 @@ def _first_direction(motion: Motion | None) -> Floats:
 
 def _cure(shift: Floats, reach: float) -> str:
     slot = "leave a slot for it out of the film's mesh (a notch is closed, so it has no room)"
-    turn = "turn it: its axis or the direction of its motion may be wrong"
+    turn = (
+        "turn it or the film: its axis, the direction of its motion or the film's plane "
+        "([membrane] axis) may be wrong"
+    )
     if not shift.any():
         return f"move the tool's start, {turn}, or {slot}"
     x, y, z = shift + 0.0

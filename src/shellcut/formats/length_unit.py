@@ -26,6 +26,7 @@ _LIKELY = (0.1, 2000.0)
 
 _TAKEN_FOR_MM = (2.0, 2000.0)
 _TAKEN_FOR_M = (0.002, 0.1)
+_MAY_BE_INCHES = 12.0  # a foot: most films and tools are smaller
 
 FileUnit: TypeAlias = Annotated[
     str | float | None,
@@ -70,9 +71,12 @@ def unit_in_mm(
     for name, (least, most) in (("mm", _TAKEN_FOR_MM), ("m", _TAKEN_FOR_M)):
         if least <= extent < most:
             factor = MILLIMETRES[name]
+            inches = ""
+            if name == "mm" and extent <= _MAY_BE_INCHES:
+                inches = f', unit="in" would make it {MILLIMETRES["inch"] * extent:.4g} mm'
             return factor, (
                 f"no unit given: taken as {name}, {what} is {extent * factor:.4g} mm across; "
-                'unit="..." says otherwise'
+                f'unit="..." says otherwise{inches}'
             )
     raise ValueError(
         f"the unit must be given, because {what} is {extent:.4g} units across, which fits several: "

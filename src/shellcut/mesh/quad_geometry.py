@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, norm, unit
+from shellcut.arrays import Bools, Floats, Ints, norm, product, unit
 from shellcut.numerics.connected_parts import close_parts
 
 _FLAT = 1e-12  # directors this close to their mean are set to it: round-off of a plane mesh
+
+_OFF_PLANE = 1e-6  # relative to the film's size: it is flat if its nodes are closer to a plane
 
 _COINCIDENT = 1e-9  # relative to the film's size: nodes closer than this are at one place
 
@@ -110,3 +112,11 @@ def corner_normals(corners: Floats) -> Floats:
     """Return the unit normals of quads by their diagonals, corners : (..., 4, 3)."""
     one, other = corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
     return unit(np.cross(one, other))
+
+
+def plane_normal(nodes: Floats, quads: Ints) -> Floats | None:
+    """Return the unit normal of a flat film, on the side of its quads; None of any other."""
+    normal = unit(corner_normals(nodes[quads]).mean(axis=0))
+    off = float(np.ptp(product(nodes, normal)))
+    flat = normal.any() and off <= _OFF_PLANE * norm(np.ptp(nodes, axis=0))
+    return normal if flat else None

@@ -34,7 +34,7 @@ from .errors import ModelFileError, Problem, is_refusal
 from .key import Section
 from .model import Model
 from .section_table import STRIP_BLADE
-from .source import KeyPath
+from .source import KeyPath, titled_path
 
 BUILDERS: dict[str, Callable[..., Case]] = {
     "opening": opening_test,
@@ -91,7 +91,7 @@ def _arguments(model: Model) -> dict[str, Any]:
             with _blame(model, (title,)):
                 one = section if title != "tool" else tool_before(model, film)
                 given[_ARGUMENTS[title]] = film if title == "membrane" else one.made()
-    with _blame(model, ("membrane", "clamp")):
+    with _blame(model, ("membrane",), "clamp"):
         for name in given.get("clamp", ()):
             film.node_set(name)
     if model.head.model == "free":
@@ -132,8 +132,8 @@ def duration_of(section: Section, motion: Any) -> float:
 
 
 @contextmanager
-def _blame(model: Model, path: KeyPath) -> Iterator[None]:
-    """Turn an error from a part into one that names its place in the file."""
+def _blame(model: Model, path: KeyPath, *key: str) -> Iterator[None]:
+    """Turn an error from a part, or a key of it, into one that names its place in the file."""
     try:
         yield
     except ModelFileError:
@@ -142,8 +142,8 @@ def _blame(model: Model, path: KeyPath) -> Iterator[None]:
         if not isinstance(problem, OSError) and not is_refusal(problem):
             raise
         said = problem.args[0] if isinstance(problem, KeyError) else problem
-        text = f"[{path[0]}]: {said}" if path else str(said)
-        raise ModelFileError([Problem(model.source.place(path), text)]) from problem
+        text = f"{titled_path(path)}: {said}" if path else str(said)
+        raise ModelFileError([Problem(model.source.place((*path, *key)), text)]) from problem
 
 
 # --- single parts ---------------------------------------------------------------------------------

@@ -52,7 +52,12 @@ class Form:
         read = _converted(value, self.kind, option.unit, least)
         is_other_text = isinstance(read, str) and not re.fullmatch(self.pattern, read, re.DOTALL)
         if is_other_text or not fits(read, self.kind):
-            raise ValueError(f"must be {words}, got {value!r}")
+            parts = get_args(self.kind)
+            is_fixed = _is_array(self.kind) and Ellipsis not in parts
+            comma = ""
+            if is_fixed and isinstance(read, tuple) and len(read) > len(parts):
+                comma = ": a comma separates numbers, the decimal sign is a point"
+            raise ValueError(f"must be {words}, got {value!r}{comma}")
         if is_number(read) and (beyond := option.problem(read)):
             raise ValueError(beyond)
         return read

@@ -137,25 +137,27 @@ class Section:
         """Return the section with other values."""
         return replace(self, values={**self.values, **values})
 
-    def tables(self) -> Iterator[tuple[str, Section]]:
-        """Yield the tables in it, with the names of their keys."""
+    def tables(self) -> Iterator[tuple[str, str, Section]]:
+        """Yield the tables in it, with name and place: that in an array as ".0", else ""."""
         for name, key in self.of.keys.items():
-            if key.kinds and self.values[name] is not None:
-                several = self.values[name] if key.is_several else (self.values[name],)
-                yield from ((name, one) for one in several)
+            value = self.values[name]
+            if key.is_several:
+                yield from ((name, f".{n}", one) for n, one in enumerate(value or ()))
+            elif key.kinds and value is not None:
+                yield name, "", value
 
-    def with_tables(self) -> Iterator[Section]:
-        """Yield the section, then the tables in it, and those in them."""
-        yield self
-        for _, inner in self.tables():
-            yield from inner.with_tables()
+    def titled(self, title: str) -> Iterator[tuple[str, Section]]:
+        """Yield the section, the tables in it and those in them, by title: ``loads.0``."""
+        yield title, self
+        for name, place, inner in self.tables():
+            yield from inner.titled(f"{title}.{name}{place}")
 
     def content(self) -> dict[str, Any]:
         """Return kind and values; of a key for tables a list of their contents."""
         found = {"kind": self.kind, **self.values}
         for name, key in self.of.keys.items():
             if key.kinds:
-                found[name] = [inner.content() for of, inner in self.tables() if of == name]
+                found[name] = [inner.content() for of, _, inner in self.tables() if of == name]
         return found
 
     def arguments(self) -> dict[str, Any]:

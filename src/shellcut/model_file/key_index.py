@@ -96,9 +96,10 @@ def found(words: Sequence[str]) -> list[Table]:
 
 def unit_of_key(key: str) -> str:
     """Return the unit of a key of model files; "" for a pure number or an unknown key."""
-    section, _, name = key.rpartition(".")
+    *section, name = key.split(".")
+    title = ".".join(part for part in section if not part.isdecimal())
     for table in tables():
-        if section and table.title != f"[{section}]":
+        if title and table.title.strip("[]") != title:
             continue
         for known, found in table.keys.items():
             if name in (known, found.also):

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -94,7 +93,7 @@ class Model:
         """Return the absolute paths of the files the model reads."""
         return [
             str(one.values[name])
-            for one in self.all_sections()
+            for one in self.titled().values()
             for name, key in one.of.keys.items()
             if key.is_file and one.values[name] is not None
         ]
@@ -103,21 +102,18 @@ class Model:
         """Return the files that are gone or have changed since the model was written."""
         return [path for path, digest in self.recorded.items() if digest_of(path) != digest]
 
-    def all_sections(self) -> Iterator[Section]:
-        """Yield every section, including those of lists and the tables in a section."""
-        for section in (*self.sections.values(), *chain(*self.lists.values())):
-            yield from section.with_tables()
-
     def titled(self) -> dict[str, Section]:
-        """Return the sections that occur once, and the tables in them, by title.
+        """Return every section, those of arrays and the tables in a section, by title.
 
-        The keys before the first section have the title "".
+        The keys before the first section have the title "". What is one of several has its place,
+        from 0 on, in the title: ``loads.0``.
         """
-        found = {"": self.head, **self.sections}
+        found = {"": self.head}
         for title, section in self.sections.items():
-            for name, inner in section.tables():
-                if not section.of.keys[name].is_several:
-                    found[f"{title}.{name}"] = inner
+            found |= section.titled(title)
+        for title, several in self.lists.items():
+            for n, section in enumerate(several):
+                found |= section.titled(f"{title}.{n}")
         return found
 
 

@@ -1,8 +1,14 @@
-"""Override values of a model file, by section and key or by key alone."""
+"""Override values of a model file, by section and key or by key alone.
+
+Of an array of tables a key names one by its place from 0 on, between dots or in brackets:
+``material.layers.0.thickness``, ``layers[0].thickness``, ``loads[1].value``. :func:`spelled` gives
+all of them one spelling, with dots, that of messages, tables and files.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,11 +16,27 @@ from shellcut.arguments import guess, listed
 
 from .errors import ModelFileError, Problem
 from .key import kind_of
-from .material_keys import named_material
-from .section_table import HEAD, LISTS, SECTIONS, Kinds, titled
-from .source import KeyPath, Source, beyond_all
+from .material_keys import filled_in, named_material
+from .section_table import ENTRY, HEAD, LISTS, SECTIONS, Kinds, titled
+from .source import KeyPath, Source, beyond_all, titled_path
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
+_IN_BRACKETS = re.compile(r"\[\s*([^\[\]]*?)\s*\]")
+_SECTION_OF = {"layers": "material"}
+"""Of arrays of tables within one: the place tells them from other keys of their name."""
+
+
+def spelled(name: str) -> str:
+    """Return a key as messages, tables and files spell it, if it names one of several tables.
+
+    Examples
+    --------
+    >>> spelled("layers[0].thickness"), spelled("loads[1].value"), spelled("teeth")
+    ('material.layers.0.thickness', 'loads.1.value', 'teeth')
+    """
+    name = _IN_BRACKETS.sub(r".\1", name)
+    first, dot, _ = name.partition(".")
+    return f"{_SECTION_OF[first]}.{name}" if dot and first in _SECTION_OF else name
 
 
 def overridden(
@@ -31,8 +53,9 @@ def overridden(
     settings: dict[KeyPath, str] = {}
     problems = []
     # The model first: it determines the available keys. Then the film, which replaces others.
-    order = {"model": 0, "material": 1, "material.preset": 1, "preset": 1}
-    for name, value in sorted(overrides.items(), key=lambda pair: order.get(pair[0], 2)):
+    order = {"model": 0, "material": 1, "preset": 2}
+    given = [(spelled(name), value) for name, value in overrides.items()]
+    for name, value in sorted(given, key=lambda pair: order.get(pair[0].rpartition(".")[2], 3)):
         if beyond := beyond_all({name: value}):
             problems.append(Problem(f"set {name}", f"the value {beyond}"))
             continue
@@ -46,19 +69,21 @@ def overridden(
         except ValueError as problem:
             problems.append(Problem(place, str(problem)))
             continue
-        if path == ("material", "preset"):
-            values["material"] = {"preset": value}
-        else:
-            set_before = {str(known[-1]) for known in settings if known[:-1] == path[:-1]}
-            try:
-                gone = _set(values, path, value, kinds.get(".".join(path[:-1]), ()), set_before)
-            except ValueError as problem:
-                problems.append(Problem(source.place((path[0],)), str(problem)))
-                continue
-            if told := [name for name in gone if (*path[:-1], name) in source.lines]:
-                where = source.place((*path[:-1], told[0]))
-                title = ".".join(path[:-1])
-                say(f"{place}: takes the place of {', '.join(told)} in [{title}] ({where})")
+        table = path[:-1]
+        set_before = {str(known[-1]) for known in settings if known[:-1] == table}
+        of = ".".join(ENTRY if isinstance(part, int) else part for part in table)
+        try:
+            if path[-1] == "preset":  # the keys of another film do not stay
+                _set(values, table, {"preset": value}, (), ())
+                gone = []
+            else:
+                gone = _set(values, path, value, kinds.get(of, ()), set_before)
+        except ValueError as problem:
+            problems.append(Problem(place, str(problem)))
+            continue
+        if told := [name for name in gone if (*table, name) in source.lines]:
+            where = source.place((*table, told[0]))
+            say(f"{place}: takes the place of {', '.join(told)} in {titled_path(table)} ({where})")
         settings[path] = place
     if problems:
         raise ModelFileError(problems)
@@ -66,25 +91,21 @@ def overridden(
 
 
 def _set(
-    values: dict[str, Any], path: Sequence[str], value: object, kinds: Kinds, keep: Collection[str]
+    values: dict[str, Any], path: KeyPath, value: object, kinds: Kinds, keep: Collection[str]
 ) -> list[str]:
     """Set a key of a section or table, and return the keys that give way to it.
 
     Those are the keys of other kinds only, if the key identifies a kind: the present one, if that
     has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
-    if there is something else in the place of a table.
+    if there is something else in the place of a table, or no table at a place.
     """
-    table = values
-    for title in path[:-1]:
-        inner = table.get(title, {})
-        if not isinstance(inner, dict):
-            raise ValueError(f"[{title}] must be a section")
-        table[title] = dict(inner)
-        table = table[title]
+    table: Any = values
+    for end in range(1, len(path)):
+        table = _copied(table, path[:end], path[end])
     key = path[-1]
+    gone: list[str] = []
     identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
     present = kind_of(kinds, table)
-    gone: list[str] = []
     if identified:
         stays = present is not None and key in present.names()
         chosen = present if present is not None and stays else identified[0]
@@ -97,22 +118,37 @@ def _set(
     return gone
 
 
-def path_of(name: str, model: str) -> tuple[str, ...]:
+def _copied(around: Any, path: KeyPath, step: str | int) -> Any:
+    """Put a copy of the table or array at a path into what is around it; return the copy.
+
+    ``step`` goes on from there: a place in an array, or a key of a table.
+    """
+    key, title = path[-1], titled_path(path)
+    if isinstance(key, str) and isinstance(step, int) and key not in around:
+        around[key] = filled_in(around).get(key, [])  # of a preset
+    wanted = list if isinstance(step, int) else dict
+    inner = around[key] if isinstance(key, int) else around.get(key, wanted())
+    if not isinstance(inner, wanted):
+        raise ValueError(f"{title} must be {'a section' if wanted is dict else 'several tables'}")
+    if isinstance(step, int) and step >= len(inner):
+        known = f"the file has {len(inner)}, from 0 on" if inner else "the file has none"
+        raise ValueError(f"{title} has no place {step}: {known}; write one there")
+    around[key] = inner.copy()
+    return around[key]
+
+
+def path_of(name: str, model: str) -> KeyPath:
     """Return section and key that a setting means in a model; ValueError if there is no such."""
+    name = spelled(name)
     if name in HEAD.keys:
         return (name,)
     if name == "material":
         return ("material", "preset")
     layout = titled(model)
     if "." in name:
-        title = name.partition(".")[0]
-        if title in LISTS.get(model, {}):
-            raise ValueError(f"[[{title}]] can occur several times: write it in the file")
-        if title not in layout:
-            hint = guess(title, layout) or listed(SECTIONS.get(model, {}))
-            raise ValueError(f"there is no section [{title}]{hint}")
-        return tuple(name.split("."))
+        return _dotted(name, layout, model)
     names = {title: [n for kind in kinds for n in kind.names()] for title, kinds in layout.items()}
+    names = {title: known for title, known in names.items() if ENTRY not in title.split(".")}
     owners = [title for title, known in names.items() if name in known]
     owners = [title for title in owners if "." not in title] or owners  # not in tables of sections
     if len(owners) == 1:
@@ -122,3 +158,26 @@ def path_of(name: str, model: str) -> tuple[str, ...]:
         raise ValueError(f"several sections have this key: write one of {candidates}")
     everything = {*HEAD.keys, *(n for known in names.values() for n in known)}
     raise ValueError(f"no section has this key{guess(name, sorted(everything))}")
+
+
+def _dotted(name: str, layout: Mapping[str, Kinds], model: str) -> KeyPath:
+    """Return the parts of a key with dots, its places in arrays as numbers."""
+    first, *parts = name.split(".")
+    if first not in layout and first not in LISTS.get(model, {}):
+        hint = guess(first, layout) or listed(SECTIONS.get(model, {}))
+        raise ValueError(f"there is no section [{first}]{hint}")
+    path: list[str | int] = [first]
+    of = first  # the path with ENTRY for each place
+    for part in parts:
+        is_array, is_place = f"{of}.{ENTRY}" in layout, part.isdecimal()
+        whole = ".".join(map(str, path))
+        if is_array and not is_place:
+            rest = f".{part}" if part.isidentifier() else ""
+            raise ValueError(
+                f"{whole} are several tables: name one by its place from 0 on, {whole}.0{rest}"
+            )
+        if is_place and not is_array:
+            raise ValueError(f"{whole} is set as a whole: {whole}=...")
+        path.append(int(part) if is_place else part)
+        of = f"{of}.{ENTRY if is_place else part}"
+    return tuple(path)

@@ -37,7 +37,8 @@ def quantity(text: str, unit: str) -> float:
     wants = f"a number in {unit}" if unit else "a number without a unit"
     found = _QUANTITY.fullmatch(text)
     if not found:
-        raise ValueError(f"must be {wants}, got {text!r}")
+        comma = ": the decimal sign is a point, thousands have none" if "," in text else ""
+        raise ValueError(f"must be {wants}, got {text!r}{comma}")
     exponent = _EXPONENT.search(found[1])
     long_exponent = exponent is not None and len(exponent[1]) > _LONGEST_EXPONENT
     if long_exponent or len(found[1]) > _LONGEST_NUMBER:

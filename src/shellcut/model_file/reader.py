@@ -22,7 +22,7 @@ from .material_keys import named_material, presets, with_presets
 from .model import Model
 from .overrides import overridden
 from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
-from .source import KeyPath, Source, parse
+from .source import KeyPath, Source, parse, titled_path
 
 _log = logging.getLogger(__name__)
 
@@ -383,13 +383,5 @@ def _named_key(made: Section, path: KeyPath, reason: str) -> KeyPath:
 
 
 def _shown(path: KeyPath) -> str:
-    """Return "[tool]." for a section, "[[loads]] 2." for one of several, "" at the top."""
-    if not path:
-        return ""
-    numbered = [k for k, part in enumerate(path) if isinstance(part, int)]
-    if not numbered:
-        return f"[{'.'.join(map(str, path))}]."
-    at = numbered[-1]
-    titles = ".".join(part for part in path[:at] if isinstance(part, str))
-    inner = "".join(f"{part}." for part in path[at + 1 :])
-    return f"[[{titles}]] {int(path[at]) + 1}.{inner}"
+    """Return "[tool]." for a section, "" at the top."""
+    return f"{titled_path(path)}." if path else ""

@@ -9,7 +9,7 @@ from .key import REQUIRED, Key, Kind
 from .key_index import tables
 from .material_keys import preset_names
 from .quantity import pattern
-from .section_table import HEAD, LISTS, SECTIONS, Kinds
+from .section_table import ENTRY, HEAD, LISTS, SECTIONS, Kinds
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 
@@ -56,19 +56,22 @@ def quantities() -> dict[str, Any]:
 
 
 def settings() -> dict[str, Any]:
-    """Return the schema of each key that a study may set, by section and key and by key alone."""
+    """Return the schema of each key that a study may set, by section and key and by key alone.
+
+    The place in an array of tables is :data:`.section_table.ENTRY`.
+    """
     found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
     told: dict[str, str] = {}
-    arrays = [f"{one.title.strip('[]')}." for one in tables() if one.title.startswith("[[")]
+    arrays = [one.title.strip("[]") for one in tables() if one.title.startswith("[[")]
     for table in tables():
         title = f"{table.title.strip('[]')}."
-        if title.startswith(tuple(arrays)):  # of an array of tables, or in one
-            continue
+        if array := next((one for one in arrays if title.startswith(f"{one}.")), ""):
+            title = title.replace(array, f"{array}.{ENTRY}", 1)
         kind = {"kind": {"const": table.kind.name}} if table.kind.name else {}
         for name, of in (kind | _properties(table.kind)).items():
             # Kinds and models may give a key other defaults and meanings.
             bare = {word: v for word, v in of.items() if word not in ("default", "description")}
-            for key in {name, f"{title}{name}".lstrip(".")}:
+            for key in {name if not array else "", f"{title}{name}".lstrip(".")} - {""}:
                 told.setdefault(key, of.get("description", ""))
                 if bare not in found.setdefault(key, []):
                     found[key].append(bare)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from shellcut.arguments import declared
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import NO_IMPRINT, Fracture
@@ -17,7 +18,9 @@ from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment,
 from shellcut.loads.supports import Ramped, Support
 from shellcut.mesh.drawing import mesh_from_drawing
 from shellcut.mesh.film_file import read_film
+from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import mesh_from_outline
+from shellcut.mesh.placed import placed
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.case import PAPER_DAMPING
@@ -44,6 +47,7 @@ from shellcut.simulation.stable_step import Stepping
 from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.table_motion import TableMotion
+from shellcut.tool.tool import Tool
 from shellcut.tool.tool_file import read_tool
 
 from .forms import FORMS, choice
@@ -99,8 +103,9 @@ DISC = Kind(
     sign="radius",
 )
 FILM_FILE = Kind(
-    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, except in free models.",
-    keys_of(read_film, renamed={"path": "file"}, also={"unit": "scale"}),
+    "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0 once placed, except in free models.",
+    keys_of(read_film, renamed={"path": "file"}, also={"unit": "scale"})
+    | keys_of(placed, "axis", "turn_deg"),
     read_film,
     name="file",
     sign="file",
@@ -123,35 +128,57 @@ DRAWING = Kind(
     deferred=True,
 )
 
+
+def _placeable(kind: Kind) -> Kind:
+    """Return a kind of film that a key moves, once it is made and before anything is chosen on it.
+
+    The ready models make some films themselves, at the place that their motion begins from.
+    """
+    if kind.spread:
+        return kind
+    keys = {**kind.keys, **keys_of(placed, "shift")}
+    return replace(kind, keys=keys, make=_film)
+
+
+def _film(section: Section) -> Mesh:
+    where = {name: section.values[name] for name in declared(placed) if name in section.values}
+    return placed(section.called(), **where)
+
+
 # --- [tool] --------------------------------------------------------------------------------------
 
-_SHIFT = {
+_MADE_TOOL = {
     "shift": own_key(
         FORMS["3 numbers"], "moves the tool before the run", (0.0, 0.0, 0.0), unit="mm"
-    )
+    ),
+    "edges": own_key(
+        choice("all", "none"), "which edges cut; a tool without is blunt, it only pushes", "all"
+    ),
 }
 
 
-def _shifted(section: Section) -> Any:
-    tool = section.called()
+def _tool(section: Section) -> Tool:
+    tool: Tool = section.called()
+    if section.edges == "none":
+        tool = Tool.from_triangles(tool.vertices, tool.triangles, edges="none", name=tool.name)
     return tool.translated(section.shift) if any(section.shift) else tool
 
 
 TEETH = Kind(
     "A ring of teeth about the z axis that goes down through the film z = 0.",
-    keys_of(tooth_ring, renamed={"n_teeth": "teeth"}) | _SHIFT,
+    keys_of(tooth_ring, renamed={"n_teeth": "teeth"}) | _MADE_TOOL,
     tooth_ring,
     name="teeth",
     sign="teeth",
-    make=_shifted,
+    make=_tool,
 )
 BLADE = Kind(
     "A wedge that moves along +x, its edge through the origin.",
-    keys_of(straight_blade) | _SHIFT,
+    keys_of(straight_blade) | _MADE_TOOL,
     straight_blade,
     name="blade",
     sign="edge_angle_deg",
-    make=_shifted,
+    make=_tool,
 )
 STRIP_BLADE = Kind(
     "A wedge that moves along +x, its edge opening_u / 80 before the strip.",
@@ -159,7 +186,7 @@ STRIP_BLADE = Kind(
     straight_blade,
     name="blade",
     sign="edge_angle_deg",
-    make=_shifted,
+    make=_tool,
 ).with_keys(height=BLADE_HEIGHT)
 TOOL_FILE = Kind(
     "A surface or solids from a CAD program: STL, OBJ, PLY, and with Gmsh STEP, IGES.",
@@ -313,7 +340,7 @@ def _layout(
     damping: Kind = DAMPING,
 ) -> dict[str, Kinds]:
     return {
-        "membrane": membrane,
+        "membrane": tuple(map(_placeable, membrane)),
         "material": (film, LAMINATE),
         "cohesive": (law,),
         **({"tool": tool} if tool else {}),
@@ -406,6 +433,16 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
 """By model: the sections that occur once."""
 
 
+LISTS: Mapping[str, Mapping[str, Kinds]] = {
+    model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
+    for model in SECTIONS
+}
+"""By model: the sections that may occur several times, like [[loads]]."""
+
+ENTRY = "N"
+"""Place of a table in an array, in a title that holds for all of them: ``material.layers.N``."""
+
+
 def titled(model: str) -> dict[str, Kinds]:
     """Return the kinds of the sections of a model and of the tables in them, by title.
 
@@ -413,21 +450,21 @@ def titled(model: str) -> dict[str, Kinds]:
     --------
     >>> [kind.name for kind in titled("opening")["material.rate"]]
     ['cowper_symonds', 'johnson_cook']
+    >>> [title for title in titled("opening") if title.startswith("material.layers")]
+    ['material.layers.N', 'material.layers.N.hardening', 'material.layers.N.rate']
     """
+    arrays = {f"{title}.{ENTRY}": kinds for title, kinds in LISTS.get(model, {}).items()}
     found: dict[str, Kinds] = {}
-    for title, kinds in SECTIONS.get(model, {}).items():
+    left = [*SECTIONS.get(model, {}).items(), *arrays.items()]
+    while left:
+        title, kinds = left.pop(0)
         found[title] = kinds
         for name, key in ((name, key) for kind in kinds for name, key in kind.keys.items()):
-            if key.kinds and not key.is_several:
-                found[f"{title}.{name}"] = key.kinds
+            if key.kinds:
+                place = f".{ENTRY}" if key.is_several else ""
+                left.append((f"{title}.{name}{place}", key.kinds))
     return found
 
-
-LISTS: Mapping[str, Mapping[str, Kinds]] = {
-    model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
-    for model in SECTIONS
-}
-"""By model: the sections that may occur several times, like [[loads]]."""
 
 GONE: Mapping[tuple[str, str], str] = {
     ("", "precision"): "leave it out: all is computed in double precision",

@@ -21,7 +21,7 @@ else:
     import tomli as tomllib
 
 KeyPath = tuple[str | int, ...]
-"""From the top: section, number in an array of tables, key."""
+"""From the top: section, place in an array of tables, from 0 on, key."""
 
 _HEADING = re.compile(r"\s*(\[\[?)\s*([^\[\]#]+?)\s*\]\]?\s*(?:#.*)?")
 _KEY = re.compile(r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[\w-]+|\"[^\"]*\"))*)\s*=(.*)")
@@ -33,6 +33,9 @@ _TOO_DEEP = f"must nest tables and arrays to {_DEEPEST} levels at most"
 _LONGEST_KEY = 100  # parts; tomllib takes time by their square
 _NO_KEY = re.compile(r"[^\w.\"' \t-]")
 _LARGEST_WHOLE = 2**63 - 1
+_BARE = re.compile(
+    r"[^=]*=\s*([+-]?\d+[.,]?\d*(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°][\w/*^²³ ]*?)?\s*(?:#.*)?"
+)
 _ERROR_LINE = re.compile(r"(.*) \(at (?:line (\d+), column \d+|end of document)\)")
 
 
@@ -74,6 +77,17 @@ class Source:
         return Path.cwd() if path in self.settings else self.folder
 
 
+def titled_path(path: KeyPath) -> str:
+    """Return the title of a section or table, a place in an array as in ``--set``.
+
+    Examples
+    --------
+    >>> titled_path(("tool",)), titled_path(("material", "layers", 0, "hardening"))
+    ('[tool]', '[material.layers.0.hardening]')
+    """
+    return f"[{'.'.join(map(str, path))}]"
+
+
 def parse(text: str, name: str, folder: Path) -> Source:
     """Return values and lines of a TOML text; ModelFileError if it is not valid TOML."""
     try:
@@ -82,7 +96,7 @@ def parse(text: str, name: str, folder: Path) -> Source:
         found = _ERROR_LINE.fullmatch(str(error))
         number = int(found[2] or len(text.splitlines())) if found else 0
         place = f"{name}:{number}" if found else name
-        said = (found[1] if found else str(error)) + _entry_at(text, number)
+        said = (found[1] if found else str(error)) + _entry_at(text, number) + _bare(text, number)
         raise ModelFileError([Problem(place, f"is not a model file (TOML): {said}")]) from None
     except RecursionError:
         raise ModelFileError([Problem(name, _TOO_DEEP)]) from None
@@ -147,6 +161,16 @@ def _entry_at(text: str, line: int) -> str:
     entry = text.splitlines()[start - 1].partition("=")[0].strip()
     first = min(number for number, one in starts if one == path)
     return f", {entry} in line {start}" + (f", first in line {first}" if first < start else "")
+
+
+def _bare(text: str, line: int) -> str:
+    """Return how to write a number of a line that has a unit without quotes, or a comma."""
+    lines = text.splitlines()
+    found = _BARE.fullmatch(lines[line - 1]) if 0 < line <= len(lines) else None
+    if found is None:
+        return ""
+    number, unit = found[1].replace(",", "."), found[2]
+    return f"; write {number}" if unit is None else f'; write "{number} {unit}"'
 
 
 def _lines(text: str) -> dict[KeyPath, int]:

@@ -28,8 +28,8 @@ def model_text(model: Model) -> str:
     for title, section in model.sections.items():
         lines += ["", f"[{title}]", *_section(section, title)]
     for title, several in model.lists.items():
-        for section in several:
-            lines += ["", f"[[{title}]]", *_section(section, title)]
+        for n, section in enumerate(several):
+            lines += ["", _entry_heading(title, f".{n}"), *_section(section, title)]
     if files := model.files():
         lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
         lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
@@ -50,11 +50,15 @@ def _section(section: Section, title: str) -> Iterator[str]:
     if section.kind:
         yield _commented(f'kind = "{section.kind}"', section.of.doc)
     yield from _keys(section)
-    for name, inner in section.tables():
-        heading = f"[{title}.{name}]"
+    for name, place, inner in section.tables():
+        within = f"{title}.{name}"
         yield ""
-        yield f"[{heading}]" if section.of.keys[name].is_several else heading
-        yield from _section(inner, f"{title}.{name}")
+        yield _entry_heading(within, place) if place else f"[{within}]"
+        yield from _section(inner, within)
+
+
+def _entry_heading(title: str, place: str) -> str:
+    return _commented(f"[[{title}]]", f"{title}{place} in --set and messages")
 
 
 def _keys(section: Section) -> Iterator[str]:

@@ -206,7 +206,8 @@ def _lane_of(blade: Tool, film: Mesh) -> float:
     if not low < y < high:
         raise ValueError(
             f"the tool's edge must go through the strip, between y = {low:.4g} and {high:.4g} mm, "
-            f"got y = {y:.4g} mm: move the tool"
+            f"got y = {y:.4g} mm: move the tool by {0.5 * (low + high) - y:.4g} mm in y ([tool] "
+            "shift)"
         )
     return y if abs(y) > _ON_LINE * float(np.ptp(film.nodes[:, 0])) else 0.0
 

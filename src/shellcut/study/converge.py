@@ -267,6 +267,6 @@ def _why_fixed(model: Model) -> str:
     changing = [one for several in model.lists.values() for one in several]
     if any(one.values.get(name) for one in changing for name in ("ramp", "velocity", "spin")):
         return "loads or supports change in time"
-    if any(one.values.get("rate") for one in model.all_sections()):
+    if any(one.values.get("rate") for one in model.titled().values()):
         return "the film's law depends on the rate"
     return ""

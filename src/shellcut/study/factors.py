@@ -12,10 +12,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from shellcut.model_file.overrides import spelled
 from shellcut.model_file.source import parse_value
 
 _RANGE = re.compile(r"([^:]+):([^:]+)")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?(?:0|[1-9]\d*),0\d+\s*[A-Za-z/^]*\s*")  # 05 is no number
 _OPENING, _CLOSING = "[{", "]}"
 _BETWEEN_KEYS, _BETWEEN_VALUES = ",", ":"
 """Of keys whose values go together, and of such values in a text."""
@@ -82,12 +84,14 @@ def factor(name: str, given: object) -> Factor:
     >>> factor("tool.edge_inclination_deg, motion.pitch", "40:12, 60:20").values
     ((40, 12), (60, 20))
     """
-    keys = tuple(key.strip() for key in name.split(_BETWEEN_KEYS))
+    keys = tuple(spelled(key.strip()) for key in name.split(_BETWEEN_KEYS))
+    name = keys[0] if len(keys) == 1 else name
     if "" in keys or len(set(keys)) < len(keys):
         raise ValueError(f"{name}: keys that go together must be names, each once, with commas")
     if len(keys) > 1:
         values = _groups(name, len(keys), given)
     elif isinstance(given, str):
+        _refuse_decimal_commas(name, given)
         if (found := _RANGE.fullmatch(given)) and (ends := _numbers(name, found[1], found[2])):
             low, high, unit = ends
             if not low < high:
@@ -158,6 +162,16 @@ def _numbers(key: str, first: str, last: str) -> tuple[float, float, str] | None
     if a[2] and a[2] != b[2]:
         raise ValueError(f"{key}: both ends of a range must have one unit, got {first}:{last}")
     return float(a[1]), float(b[1]), b[2]
+
+
+def _refuse_decimal_commas(key: str, given: str) -> None:
+    """Raise ValueError for a text that only a number with a comma explains: 0,05 or 1,5:2,5."""
+    ends = _RANGE.fullmatch(given.replace(",", ".")) if "," in given else None
+    is_range = ends is not None and _numbers(key, ends[1], ends[2]) is not None
+    if is_range or _DECIMAL_COMMA.fullmatch(given):
+        raise ValueError(
+            f"{key}: the decimal sign is a point, a comma separates values, got {given}"
+        )
 
 
 def _parts(text: str, between: str) -> list[str]:

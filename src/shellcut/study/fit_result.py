@@ -91,6 +91,7 @@ class FitResult:
     def write(self, folder: Path) -> None:
         """Write ``fit.json`` and, with Matplotlib, ``fit.png``."""
         figures = {
+            "said": str(self),
             "values": [asdict(one) for one in self.values],
             "rms_relative": self.rms,
             "rms_relative_at_start": self.rms_at_start,

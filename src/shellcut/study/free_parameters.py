@@ -119,7 +119,8 @@ def _free(variants: ModelVariants, factor: Factor) -> Free:
     several = ({}, *map(factor.settings, factor.probes()))
     models = [variants.read(values, try_out=False) for values in several]
     tables = [one.titled() for one in models]
-    title, _, name = ".".join(path_of(factor.name, models[0].head.model)).rpartition(".")
+    *parts, name = map(str, path_of(factor.name, models[0].head.model))
+    title = ".".join(parts)
     keys = tables[1][title].of.keys
     name, key = next((n, key) for n, key in keys.items() if name in (n, key.also))
     low, high = (one[title].values[name] for one in tables[1:])

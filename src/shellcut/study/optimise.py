@@ -201,7 +201,10 @@ class Optimum:
 
     def write(self, folder: Path) -> None:
         """Write ``optimum.json`` and, with Matplotlib, ``optimum.png``."""
-        write_text(folder / OPTIMUM, json.dumps(asdict(self), indent=1, default=str) + "\n")
+        write_text(
+            folder / OPTIMUM,
+            json.dumps({"said": str(self), **asdict(self)}, indent=1, default=str) + "\n",
+        )
         if can_draw():
             draw_curves(folder / PICTURE, [self.diagram()], size=(8.0, 4.5))
 

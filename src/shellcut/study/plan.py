@@ -14,6 +14,7 @@ from pathlib import Path
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.errors import Problem
 from shellcut.model_file.model import digest_of
+from shellcut.model_file.overrides import spelled
 from shellcut.model_file.reader import ModelVariants
 from shellcut.numerics.threads import available_cores
 
@@ -73,7 +74,8 @@ class Definition:
         cannot take, or if no combination can be run; one that cannot fails in its run.
         """
         factors, single = factors_of(self.factors)
-        whole = replace(self, settings={**self.settings, **(settings or {}), **single})
+        given = {**self.settings, **(settings or {}), **single}
+        whole = replace(self, settings={spelled(key): value for key, value in given.items()})
         variants = ModelVariants(self.model, whole.settings)
         combined = self.design.runs(factors)
         _try_values(variants, factors, combined)

@@ -6,6 +6,7 @@ examples/study.toml shows all that it can say.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from shellcut.model_file.forms import written
 from shellcut.model_file.key import Kind, keys_of
 from shellcut.model_file.reader import read_section
 from shellcut.model_file.schema import DRAFT, quantities, schema_of, settings
+from shellcut.model_file.section_table import ENTRY
 from shellcut.model_file.source import parse
 
 from .design import Design
@@ -79,7 +81,6 @@ def study_schema() -> dict[str, Any]:
         key: {"if": {"type": "array"}, "then": {"items": one}} for key, one in refers.items()
     }
     together = {",": {"type": ["array", "string"]}}  # keys whose values go together
-    one_each = {"type": "object", "additionalProperties": False}
     return {
         "$schema": DRAFT,
         "title": "Study file of shellcut",
@@ -88,12 +89,25 @@ def study_schema() -> dict[str, Any]:
         "properties": {
             "model": {"type": "string"},
             "figures": {"type": "array", "items": {"type": "string"}},
-            "set": {**one_each, "properties": refers},
-            "factors": {**one_each, "properties": several, "patternProperties": together},
+            "set": _keyed(refers, {}),
+            "factors": _keyed(several, together),
             "design": schema_of(_DESIGN),
         },
         "additionalProperties": False,
         "definitions": quantities() | keys,
+    }
+
+
+def _keyed(schemas: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the schema of a section with these keys; a place in an array is any number."""
+    place = f".{ENTRY}."
+    arrays = {key: one for key, one in schemas.items() if place in key}
+    patterns = {f"^{key.replace(place, '[.][0-9]+[.]')}$": one for key, one in arrays.items()}
+    return {
+        "type": "object",
+        "properties": {key: one for key, one in schemas.items() if key not in arrays},
+        "patternProperties": {**patterns, **more},
+        "additionalProperties": False,
     }
 
 

@@ -14,9 +14,10 @@ from typing import Annotated, Literal, TypeAlias
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, product, three, unit
+from shellcut.arrays import product, three
 from shellcut.formats import cad_surface
 from shellcut.formats.errors import FileError, check_finite, naming, point_text
+from shellcut.formats.file_axis import FileAxis, turn_to_z
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
@@ -42,18 +43,13 @@ _FARTHEST = 1e5
 
 CuttingEdges: TypeAlias = Literal["by angle", "none"]
 
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-
 
 @checked
 def read_tool(
     path: Annotated[str | Path, Option("", "the tool; its suffix gives the format", form="path")],
     *,
     unit: FileUnit = None,
-    axis: Annotated[
-        str | Sequence[float],
-        Option("", "direction in the file that becomes z, by the shortest turn", form="direction"),
-    ] = "z",
+    axis: FileAxis = "z",
     shift: Annotated[
         Sequence[float], Option("mm", "moves the tool after that", form="3 numbers")
     ] = (0.0, 0.0, 0.0),
@@ -130,7 +126,7 @@ def read_tool(
     """
     path = Path(path)
     move = three("shift", shift, "mm")
-    turn = _turn_to_z(axis)
+    turn = turn_to_z(axis)
     file = _surface(path, chord_deviation, unit)
     _check_coordinates(file)
     extent = float(np.ptp(file.vertices, axis=0).max())
@@ -198,22 +194,3 @@ def _check_coordinates(file: SurfaceFile) -> None:
             f"vertices must lie together, got vertex {k} at {point_text(file.vertices[k])}, "
             f"{away[k] / np.median(away):.2g} times as far away as most; is the file damaged?",
         )
-
-
-def _turn_to_z(axis: str | Sequence[float]) -> Floats:
-    # the shortest rotation, (3, 3): exact zeros and ones for the axes by name
-    if isinstance(axis, str):
-        sign = -1.0 if axis.startswith("-") else 1.0
-        if axis.lstrip("+-") not in _AXES:
-            raise ValueError(f"axis must be x, y, z, -x, -y, -z or a direction, got {axis!r}")
-        direction = sign * np.array(_AXES[axis.lstrip("+-")])
-    else:
-        direction = np.asarray(axis, dtype=np.float64)
-        if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
-            raise ValueError(f"axis must be a direction of three numbers, got {axis!r}")
-        direction = unit(direction)
-    x, y, cosine = direction.tolist()
-    if cosine < -1.0 + 1e-12:  # the opposite: half a turn about x
-        return np.diag([1.0, -1.0, -1.0])
-    w = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])  # of direction x z
-    return np.asarray(np.eye(3) + w + product(w, w) / (1.0 + cosine))

@@ -1,8 +1,9 @@
-"""The report of a study: one HTML file about all its runs.
+"""The report of a study, a fit or a search: one HTML file about all its runs.
 
 It reads the table and the histories, so it shows a study that is still running, too.
 """
 
+from .found import report_found
 from .report import report_study
 
-__all__ = ["report_study"]
+__all__ = ["report_found", "report_study"]
