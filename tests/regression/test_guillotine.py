@@ -34,11 +34,9 @@ def check_cut(size: float, tmp_path) -> tuple[float, float]:
     assert abs(ratio - 1.0).max() < 0.01
     state = case.simulation.state
     assert all(abs(split.reference[1]) < 1e-9 for split in state.split_log)
-    # One cable a node of the line, area and crack length to round-off; the node that the crack
-    # has come to has none yet for half of the last side.
+    # Six cables along each side that has parted: their area is that of the crack, to round-off.
     area = state.cable.area[: state.cable.count].sum()
-    side = 30.0 / round(30.0 / size)
-    assert area == pytest.approx(0.074 * (state.crack_length - 0.5 * side), rel=1e-12)
+    assert area == pytest.approx(0.074 * state.crack_length, rel=1e-12)
     if size == 0.8:
         _, window, mean, work = row("docs/howto/read-results.md", "guillotine, quads of 0.8 mm")
         assert shown_as(window, summary["window_from_mm"], summary["window_to_mm"])

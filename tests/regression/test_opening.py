@@ -204,18 +204,19 @@ def test_mesh_that_ignores_the_path_is_reported(tmp_path):
     """Cracks along edges need a line of them under the blade's path; a zigzag holds the blade up.
 
     The theory is of a cut as long as the path. Between points of this mesh near the circle the
-    shortest way along edges is 1.3 times the arc (median), and the crack has arms beside it: it
-    grows 1.56, 1.62 and 1.70 times as fast as the path on seeds 0, 1 and 2. A cable that breaks
-    takes G A (0.9998 in the mean). A fifth of the crack's area lies beside the blade and hardly
-    opens, so that all cables take 0.73, 0.71 and 0.71 of G h a length of crack. Torque 379, 405 and
-    395 instead of 144 N*mm; the ledger closes all the same.
+    shortest way along sides is 1.3 times the arc (median), and the film that the blade pushes tears
+    beside it: two cuts of three are tears, which lie up to 6 mm beside the path and hardly open, so
+    that all cables take a third of G h a length of crack. A cable that breaks takes G A (0.9998 in
+    the mean). The torque is more than twice that of a line of sides; the energies balance all the
+    same.
     """
     case = opening_test(unstructured_disc(seed=0), fracture=Fracture(path="edges"))
     summary, history = run(case, tmp_path)
     late = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
     grown, work = (np.ptp(history[name][late]) for name in ("crack_length", "cohesive_work"))
     assert grown * 43.5 * 0.074 > 1.4 * steady_work_per_radian() * np.radians(40.0)
-    assert work / (43.5 * 0.074 * grown) == pytest.approx(0.72, abs=0.1)
+    assert work < 0.8 * 43.5 * 0.074 * grown
+    assert summary["n_tear"] > 0.5 * len(case.simulation.state.splits)
     assert history["cohesive_work"][-1] < 43.5 * 0.074 * history["crack_length"][-1]
     ratio = broken_ratio(case)
     assert ratio.mean() == pytest.approx(1.0, abs=2e-3)
