@@ -53,6 +53,8 @@ PAGES = {
         "howto/own-film",
         "howto/tear",
         "howto/pierce",
+        "howto/loose",
+        "howto/sharp",
         "howto/slow",
         "howto/hand-built",
         "howto/resume",

@@ -454,6 +454,11 @@ def test_keys_are_found_by_words(capsys):
         said,
     )
     assert "whole motion" not in said  # that angle is another section's
+    for word, page in [("flap", "loose"), ("piercing", "pierce"), ("neck", "own-film")]:
+        assert main(["keys", word]) == 0
+        assert f"docs/howto/{page}.md" in capsys.readouterr().out
+    assert main(["keys", "mouth"]) == 0
+    assert "clamp" in capsys.readouterr().out
     assert main(["keys", "scale"]) == 0  # the second name of a key
     assert "unit or scale" in capsys.readouterr().out
     assert main(["keys"]) == 0

@@ -14,6 +14,7 @@ import pytest
 
 from browser import CHROMIUM
 from page_tables import tables
+from shellcut.model_file.key_index import QUESTIONS
 from shellcut.model_file.section_table import LISTS, SECTIONS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -76,6 +77,11 @@ def test_links_lead_to_headings(page):
         if path.suffix == ".md" and not target.startswith("http"):
             headings = re.findall(r"^#+ (.*)$", path.read_text(), re.M)
             assert anchor in map(slug, headings), f"{target}#{anchor}"
+
+
+def test_the_pages_that_answer_questions_are_there():
+    for page, (question, _) in QUESTIONS.items():
+        assert (ROOT / page).is_file(), question
 
 
 def test_every_citation_has_its_reference():

@@ -1,7 +1,7 @@
 """``keys``: search the keys of model files.
 
-Print the keys of model files that contain all the words in name, section, unit or meaning; without
-words, all keys.
+Print the keys of model files that contain all the words in name, section, unit or meaning, after
+the pages that answer a question with them; without words, all keys.
 
 example: shellcut keys notch
 """
@@ -12,7 +12,7 @@ import argparse
 import json
 from collections.abc import Iterator
 
-from shellcut.model_file.key_index import Table, found
+from shellcut.model_file.key_index import Table, found, questions
 from shellcut.model_file.schema import schema
 from shellcut.study.study_file import study_schema
 
@@ -37,7 +37,16 @@ def run(arguments: argparse.Namespace) -> int:
         whole = schema() if arguments.schema == "model" else study_schema()
         print(json.dumps(whole, indent=1, ensure_ascii=False))
         return DONE
-    print("\n\n".join("\n".join(_lines(table)) for table in found(arguments.words)))
+    pages = questions(arguments.words)
+    for page, question in pages.items():
+        print(f"{question}  {page}")
+    try:
+        chosen = found(arguments.words)
+    except ValueError:
+        if pages:
+            return DONE
+        raise
+    print("\n\n".join("\n".join(_lines(table)) for table in chosen))
     return DONE
 
 

@@ -11,6 +11,29 @@ from shellcut.unit import after
 from .key import Key, Kind
 from .section_table import HEAD, LISTS, SECTIONS, Kinds
 
+QUESTIONS = {
+    "docs/howto/pierce.md": ("How hard must I press?", "pierce piercing puncture press push entry"),
+    "docs/howto/optimise.md": ("Which tooth?", "tooth teeth cap best ranking compare optimise"),
+    "docs/howto/loose.md": ("Does a piece come loose?", "piece loose flap bridge lid opening"),
+    "docs/howto/sharp.md": ("How sharp must the edge be?", "sharp blunt radius edge wear sever"),
+    "docs/howto/own-film.md": (
+        "How do I model my film and mouth?",
+        "film foil mouth neck rim disc",
+    ),
+    "docs/howto/own-tool.md": ("How do I model my tool?", "tool cap knife blade step stl cad"),
+    "docs/howto/converge.md": ("How sure is the number?", "mesh converge error accuracy finer"),
+}
+"""By page: the question that it answers, and words under which it is found."""
+
+_ALSO_SAID = {
+    ("[membrane]", "radius"): "mouth neck",
+    ("[membrane]", "outline"): "mouth neck",
+    ("[membrane]", "clamp"): "mouth neck seal",
+    ("[tool]", "file"): "cap knife",
+    ("[tool]", "teeth"): "cap",
+}
+"""By title and key: other words that people use for it."""
+
 
 @dataclass(frozen=True)
 class Table:
@@ -82,7 +105,8 @@ def found(words: Sequence[str]) -> list[Table]:
         own = " ".join((table.title, table.kind.name, table.kind.doc)).lower()
         keys = {}
         for name, key in table.keys.items():
-            told = (name, key.also, key.wants, key.option.unit, key.option.text)
+            also = _ALSO_SAID.get((table.title, name), "")
+            told = (name, key.also, key.wants, key.option.unit, key.option.text, also)
             if all(word in own or word in " ".join(told).lower() for word in wanted):
                 keys[name] = key
         if keys:
@@ -92,6 +116,21 @@ def found(words: Sequence[str]) -> list[Table]:
         near = "".join(guess(word, sorted(names)) for word in words)
         raise ValueError(f"no key contains {' and '.join(map(repr, words))}{near}")
     return chosen
+
+
+def questions(words: Sequence[str]) -> dict[str, str]:
+    """Return the questions with all the words, by the page that answers each; none without words.
+
+    Examples
+    --------
+    >>> questions(["flap"])
+    {'docs/howto/loose.md': 'Does a piece come loose?'}
+    """
+    return {
+        page: question
+        for page, (question, said) in QUESTIONS.items()
+        if words and all(word.lower() in f"{question} {said}".lower() for word in words)
+    }
 
 
 def unit_of_key(key: str) -> str:
