@@ -61,7 +61,15 @@ from shellcut.tool.touch import Booking, Touch, react
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import Compliance, HeldCables, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
-from .cohesive_law import AREA, ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
+from .cohesive_law import (
+    AREA,
+    ONSET,
+    OPENING_U,
+    START_OPENING,
+    CohesiveTable,
+    energies,
+    traction,
+)
 from .joint_slip import joint_law
 from .meeting import find_joint
 
@@ -110,7 +118,7 @@ class CableSet(ForceTerm):
 
     Parameters
     ----------
-    law : CohesiveLaw
+    law : CohesiveTable
         Stress against length.
     tool : Tool, optional
         Whose cutting edges the cables may meet.
@@ -126,7 +134,7 @@ class CableSet(ForceTerm):
     """What goes from the sums into the ledger."""
     n_search = -1  # cables turn, and pull, from step to step
 
-    def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
+    def __init__(self, law: CohesiveTable, tool: Tool | None, *, directional: bool = True) -> None:
         self.name = "joints"
         self.law = law
         self.at_edge = law.at_edge(tool.edge_radius if tool is not None else 0.0)
@@ -393,7 +401,7 @@ def _add_cable_forces(
         for k in range(3):
             couple[k] += rest[k]
 
-        if envelope(opening_max[c], law) == 0.0:
+        if not opening_max[c] < law[OPENING_U]:
             status[c] = BROKEN
             cables.end_time[c] = time
             n_broken += 1
