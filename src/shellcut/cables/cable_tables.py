@@ -70,7 +70,7 @@ class CableTables(NamedTuple):
     """Whether the cables may meet the edges."""
     law: Annotated[Floats, "(n_parameter,)"]
     """Of :meth:`CohesiveTable.parameters`."""
-    at_edge: Annotated[Floats, "(n_parameter,)"]
+    at_edge: Annotated[Floats, "(n_of_edge,)"]
     """The same of cables with a joint, :meth:`CohesiveTable.at_edge`."""
     joint: JointLaw
     edges: CuttingEdges

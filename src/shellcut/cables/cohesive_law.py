@@ -63,7 +63,7 @@ STRENGTH, OPENING_U, CAP, ONSET, SHORT_BRANCH, START_OPENING, AREA = range(7)
 """Places of the numbers of a law as kernels take it: those of :class:`CohesiveTable` by their
 names, the steepest slope of unloading, two lengths, and the area below."""
 _N_PART, _PARTS = 7, 8
-"""Places of the number of straight parts, and of the first of them."""
+"""Places of the number of straight parts, and of the first of them; l_U follows the last."""
 _START, _ANCHOR, _STRESS, _DROP, _WIDTH, _BELOW, _PART = range(7)
 """Of a part: where it starts, a place on it with its stress and the area below the law up to there,
 by how much it falls over its width; and how many these are."""
@@ -351,7 +351,7 @@ class CohesiveTable:
         parts[-1, [_ANCHOR, _STRESS, _BELOW]] = length[-1], stress[-1], below[-1]
         numbers = [self.strength, self.opening_u, cap, self.onset, self.short_branch]
         numbers += [self.start_opening, float(below[-1]), float(len(parts))]
-        return np.concatenate([numbers, parts.ravel()])
+        return np.concatenate([numbers, parts.ravel(), [self.opening_u]])
 
     def traction(self, opening: float, opening_max: float | None = None) -> float:
         """Return the stress [MPa] at an opening [mm], unloaded from ``opening_max`` if given."""
@@ -419,14 +419,15 @@ def _areas(length: Floats, stress: Floats) -> Floats:
 
 @inline
 def _part_at(opening: float, law: Floats) -> int:
-    """Return where the straight part at an opening from 0 to l_U stands in the law; by halving."""
+    """Return where the straight part at an opening from 0 to l_U stands; by halving, if many."""
     at, left = _PARTS, int(law[_N_PART])
-    while left > 1:
+    while left > 4:
         half = left // 2
-        ahead = at + _PART * half
-        if opening >= law[ahead]:
-            at = ahead
+        if opening >= law[at + _PART * half]:
+            at += _PART * half
         left -= half
+    while opening >= law[at + _PART]:
+        at += _PART
     return at
 
 
@@ -453,11 +454,9 @@ def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
 @inline
 def traction(opening: float, opening_max: float, law: Floats) -> float:
     """Return the stress [MPa]; ``opening_max`` >= ``opening`` is the largest so far."""
-    if opening >= opening_max:
-        return envelope(opening, law)
     peak = envelope(opening_max, law)
-    if peak == 0.0:
-        return 0.0
+    if opening >= opening_max or peak == 0.0:
+        return peak
     stress = peak - unloading_slope(peak, opening_max, law) * (opening_max - opening)
     return max(stress, 0.0)
 

@@ -70,8 +70,8 @@ def _set(
 ) -> list[str]:
     """Set a key of a section or table, and return the keys that give way to it.
 
-    Those are the keys of other kinds only, if the key identifies a kind: the present one, if that
-    has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
+    Those are the keys of other kinds only, if the key identifies a kind, or names it: the present
+    one, if that has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
     if there is something else in the place of a table.
     """
     table = values
@@ -82,8 +82,10 @@ def _set(
         table[title] = dict(inner)
         table = table[title]
     key = path[-1]
-    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
     present = kind_of(kinds, table)
+    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
+    if key == "kind":
+        present, identified = None, [kind for kind in kinds if kind.name == value]
     gone: list[str] = []
     if identified:
         stays = present is not None and key in present.names()
