@@ -71,8 +71,8 @@ def _set(
     """Set a key of a section or table, and return the keys that give way to it.
 
     Those are the keys of other kinds only, if the key identifies a kind, or names it: the present
-    one, if that has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
-    if there is something else in the place of a table.
+    one, if that has the key. Unknown keys and those to ``keep`` remain, and are refused later.
+    Raises ValueError if there is something else in the place of a table.
     """
     table = values
     for title in path[:-1]:
@@ -92,7 +92,7 @@ def _set(
         chosen = present if present is not None and stays else identified[0]
         known = {name for kind in kinds for name in kind.names()}
         foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
-        gone = [name for name in table if name in foreign and name not in keep]
+        gone = [name for name in table if name in foreign and name not in {*keep, key}]
     for name in gone:
         del table[name]
     table[key] = value
