@@ -240,7 +240,7 @@ class CohesiveTable:
         # Chords of exp(-s) are off by d² exp(-s)/8, the same for all where the roots of the
         # stresses are at equal distances. The last part has the area of all that is left.
         root = np.linspace(1.0, 0.025, 99)
-        length = -2.0 * np.log(np.append(root, root[-1]))
+        length = np.array([-2.0 * math.log(one) for one in (*root, root[-1])])
         length[-1] += 2.0
         stress = np.append(root**2, 0.0)
         length *= fracture_energy / strength / _areas(length, stress)[-1]
