@@ -291,7 +291,11 @@ class CohesiveTable:
         )
 
     def _cut_off(self, end: float) -> tuple[Floats, Floats]:
-        """Return the points of the law that is cut off so as to end at ``end``."""
+        """Return the points of the law that is cut off so as to end at ``end``.
+
+        With a longer end c is no smaller: from a c' < c the line to the shorter end passes over c,
+        so the one to the longer end would do so too, and would not be the flattest.
+        """
         length, stress = np.array(self.openings), np.array(self.tractions)
         start = length[-2] / length[-1] * end
         at = np.append(start, length[(length > start) & (length < end)])
