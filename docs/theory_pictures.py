@@ -149,8 +149,7 @@ def cables():
         return 46 + 52 * opening, 196 - 8.4 * stress
 
     def envelope(of):
-        corners = [(0, of.strength), (of.opening_a, of.plateau)]
-        return [at(*c) for c in [*corners, (of.opening_p, of.plateau), (of.opening_u, 0)]]
+        return [at(*corner) for corner in zip(of.openings, of.tractions, strict=True)]
 
     parts = [polygon([at(0, 0), *envelope(law)], "#eef3f9", "none", 0)]
     parts += [polygon([at(0, 0), *envelope(sharp)], "#f8dcd8", "none", 0)]

@@ -3,7 +3,7 @@
 
 The paper expects that the lengths l_A, l_P and l_U of the law matter little as long as its area,
 the fracture energy, stays 43.5 N/mm. Here the opening test is run with laws of very different
-shape and this one area. ::
+shape and this one area: trapezoids, a straight line, and points of one's own. ::
 
     python examples/shape_of_the_law.py --out DIR
 
@@ -15,12 +15,12 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-from shellcut import CohesiveLaw, opening_test, read
+from shellcut import CohesiveLaw, CohesiveTable, opening_test, read
 
 parser = argparse.ArgumentParser(description="laws of one energy and other shapes")
 parser.add_argument("--mesh", default="quick", choices=("quick", "M1", "M2"))
 parser.add_argument("--angle", type=float, default=95.0, help="of the whole turn [deg]")
-parser.add_argument("--laws", type=int, default=4, help="how many of them")
+parser.add_argument("--laws", type=int, default=6, help="how many of them")
 parser.add_argument("--out", type=Path, required=True, help="folder for the results")
 options = parser.parse_args()
 
@@ -45,11 +45,20 @@ def law_of(opening_a: float, opening_p: float) -> CohesiveLaw:
     )
 
 
+def law_through(openings: list[float], tractions: list[float]) -> CohesiveTable:
+    """Return the law through points [MPa], whose lengths are scaled so that it has the energy."""
+    area = CohesiveTable(openings=openings, tractions=tractions).fracture_energy
+    scaled = [opening * ENERGY / area for opening in openings]
+    return CohesiveTable(openings=scaled, tractions=tractions)
+
+
 LAWS = {
     "the paper's": law_of(0.5, 3.0),
     "slow drop": law_of(1.5, 2.5),
     "long tail": law_of(0.5, 1.0),
     "sharp end": law_of(0.1, 3.5),
+    "a line": CohesiveTable.linear(strength=STRENGTH, opening_u=2.0 * ENERGY / STRENGTH),
+    "two steps": law_through([0.0, 1.0, 1.3, 2.5, 2.8, 4.5], [18.0, 17.0, 11.0, 10.0, 4.0, 0.0]),
 }
 chosen = list(LAWS)[: options.laws]
 
@@ -73,8 +82,7 @@ for name in chosen:
 figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 4.0), layout="constrained", dpi=120)
 for name, results in runs.items():
     law = LAWS[name]
-    openings = [0.0, law.opening_a, law.opening_p, law.opening_u]
-    left.plot(openings, [law.strength, law.plateau, law.plateau, 0.0], label=name)
+    left.plot(law.openings, law.tractions, label=name)
     right.plot(results.history["angle"], results.history["torque"], lw=1.0, label=name)
 left.set(xlabel="opening [mm]", ylabel="stress of the cable [MPa]")
 right.set(xlabel="angle [deg]", ylabel="torque [N·mm]")

@@ -14,7 +14,7 @@ with Importing():
     from importlib.metadata import version
 
     from . import meshing, tool_shapes
-    from .cables.cohesive_law import CohesiveLaw
+    from .cables.cohesive_law import CohesiveLaw, CohesiveTable
     from .checks import check_model
     from .contact.settings import Contact
     from .fracture.anisotropy import Anisotropy
@@ -78,6 +78,7 @@ __all__ = [
     "Anisotropy",
     "Booking",
     "CohesiveLaw",
+    "CohesiveTable",
     "Comparison",
     "Contact",
     "CowperSymonds",

@@ -7,13 +7,18 @@ import numpy as np
 from scipy.optimize import brentq
 
 
+def corners(law):
+    """Lengths [mm] and stresses [MPa] between which a law is straight: as given, or [Frangi2010]
+    Fig. 4 by its numbers."""
+    if hasattr(law, "plateau"):
+        lengths = [0.0, law.opening_a, law.opening_p, law.opening_u]
+        return lengths, [law.strength, law.plateau, law.plateau, 0.0]
+    return list(law.openings), list(law.tractions)
+
+
 def envelope(opening, law):
-    """Stress of first loading [MPa]: the four corners of [Frangi2010] Fig. 4."""
-    return np.interp(
-        opening,
-        [0.0, law.opening_a, law.opening_p, law.opening_u],
-        [law.strength, law.plateau, law.plateau, 0.0],
-    )
+    """Stress of first loading [MPa]."""
+    return np.interp(opening, *corners(law))
 
 
 def stress(opening, largest, law):
@@ -23,7 +28,7 @@ def stress(opening, largest, law):
     peak = envelope(largest, law)
     if peak == 0.0:
         return 0.0
-    cap = law.strength / law.onset if law.onset > 0 else np.inf
+    cap = corners(law)[1][0] / law.onset if law.onset > 0 else np.inf
     slope = min(peak / largest, cap) if largest > 0 else cap
     return max(peak - slope * (largest - opening), 0.0)
 
@@ -31,34 +36,35 @@ def stress(opening, largest, law):
 def severed(law, area):
     """The law that a sharp edge cuts off at an area below it [N/mm], found by search for its end.
 
-    It falls as the whole law does, and its plateau ends at the same part of its end. One that ends
-    on the drop falls steeper from there, or else follows the drop and ends from its foot.
+    It falls as the whole law does and leaves it for a straight line to its end: where the last part
+    of the whole law begins, at the same part of its end, or further on where that line would lie
+    above the law. Among places some hundred thousandths of the end apart, and the corners.
     """
-    rho = law.opening_p / law.opening_u
-    slope = (law.strength - law.plateau) / law.opening_a
+    lengths, stresses = map(np.array, corners(law))
+    rho = lengths[-2] / lengths[-1]
 
     def ending(end):
-        foot = SimpleNamespace(
-            strength=law.strength,
-            plateau=law.plateau,
-            opening_a=law.opening_a,
-            opening_p=max(rho * end, law.opening_a),
-            opening_u=end,
+        inner = lengths[(lengths > rho * end) & (lengths < end)]
+        for leave in np.sort(np.append(np.linspace(rho * end, end, 400, endpoint=False), inner)):
+            line = envelope(leave, law) * (end - lengths) / (end - leave)
+            after = (lengths > leave) & (lengths < end)
+            if (line[after] <= stresses[after] * (1.0 + 1e-12)).all():
+                break
+        before = lengths < leave
+        return SimpleNamespace(
+            strength=stresses[0],
+            openings=[*lengths[before], leave, end],
+            tractions=[*stresses[before], envelope(leave, law), 0.0],
             onset=law.onset,
         )
-        on_drop = law.strength - slope * rho * end
-        if rho * end < law.opening_a and on_drop >= slope * (end - rho * end):
-            foot.plateau, foot.opening_a, foot.opening_p = on_drop, rho * end, rho * end
-        return foot
 
     def below(end):
         law = ending(end)
-        ends = [0.0, law.opening_a, law.opening_p, law.opening_u]
-        return np.trapezoid([law.strength, law.plateau, law.plateau, 0.0], ends)
+        return np.trapezoid(law.tractions, law.openings)
 
-    if below(law.opening_u) <= area:
+    if below(lengths[-1]) <= area:
         return law
-    return ending(brentq(lambda end: below(end) - area, 1e-12, law.opening_u, xtol=1e-15))
+    return ending(brentq(lambda end: below(end) - area, 1e-12, lengths[-1], xtol=1e-15))
 
 
 def opening(minus, plus, m, onset):

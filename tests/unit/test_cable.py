@@ -5,7 +5,7 @@ import pytest
 
 from far_pose import FAR
 from naive import cable as naive
-from shellcut.cables.cohesive_law import CohesiveLaw, area_below
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable, area_below
 from shellcut.cables.directional_cable import CableSet
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -58,7 +58,12 @@ def random_cables(seed=0):
     return state_with(*pairs, m=m)
 
 
-@pytest.mark.parametrize("law", [LAW, CohesiveLaw(onset=0.0)], ids=str)
+EXPONENTIAL = CohesiveTable.exponential(strength=18.0, fracture_energy=8.0)
+
+
+@pytest.mark.parametrize(
+    "law", [LAW, CohesiveLaw(onset=0.0), EXPONENTIAL], ids=["paper", "no onset", "exponential"]
+)
 @pytest.mark.parametrize("loaded", [True, False])
 def test_straight_cables_match_the_naive_twin(law, loaded):
     state = random_cables()
@@ -113,7 +118,11 @@ def jointed_cables(pose, tool=BLADE, law=LAW):
     return cables, state
 
 
-@pytest.mark.parametrize("law", [LAW, CohesiveLaw(cutting_energy=30.0)], ids=["whole", "severed"])
+@pytest.mark.parametrize(
+    "law",
+    [LAW, CohesiveLaw(cutting_energy=30.0), EXPONENTIAL],
+    ids=["whole", "severed", "exponential"],
+)
 def test_jointed_cables_match_the_naive_twin_and_their_sum_goes_to_the_tool(law):
     cables, state = jointed_cables(FAR, law=law)
     c, at_edge = state.cable, law

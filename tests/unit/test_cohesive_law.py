@@ -1,4 +1,4 @@
-"""The law of Fig. 4: envelope, energies on any path, unloading, refusals."""
+"""The law, of Fig. 4 and by tables: envelope, energies on any path, unloading, refusals."""
 
 import itertools
 from dataclasses import replace
@@ -7,14 +7,23 @@ import numpy as np
 import pytest
 
 from naive import cable as naive
-from shellcut.cables.cohesive_law import CohesiveLaw, area_below, envelope
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable, area_below, envelope
 
 LAWS = {
     "the paper's": CohesiveLaw(),
     "no onset": CohesiveLaw(onset=0.0),
     "no drop": CohesiveLaw(strength=12.0),
     "no plateau": CohesiveLaw(opening_p=0.5),
+    "linear": CohesiveTable.linear(strength=18.0, opening_u=4.0),
+    "bilinear": CohesiveTable.bilinear(
+        strength=18.0, knee_opening=0.6, knee_traction=4.0, opening_u=4.0
+    ),
+    "exponential": CohesiveTable.exponential(strength=18.0, fracture_energy=8.0),
+    "two steps": CohesiveTable(
+        openings=[0.0, 1.0, 1.1, 2.0, 2.1, 4.0], tractions=[18.0, 17.0, 8.0, 7.5, 1.0, 0.0]
+    ),
 }
+TABLES = {name: law for name, law in LAWS.items() if not isinstance(law, CohesiveLaw)}
 
 
 def energies(law, opening, largest):
@@ -24,7 +33,7 @@ def energies(law, opening, largest):
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 def test_area_of_the_envelope_is_the_fracture_energy(law):
-    corners = np.array([0.0, law.opening_a, law.opening_p, law.opening_u])
+    corners = np.array(naive.corners(law)[0])
     by_corners = np.trapezoid(naive.envelope(corners, law), corners)
     # Round-off: the envelope is linear between its corners.
     assert law.fracture_energy == pytest.approx(by_corners, rel=1e-12)
@@ -81,17 +90,17 @@ PATHS = {
 }
 
 
+@pytest.mark.parametrize("law", [CohesiveLaw(), *TABLES.values()], ids=["the paper's", *TABLES])
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS)
-def test_stored_and_dissipated_are_the_work(path):
-    law = CohesiveLaw()
+def test_stored_and_dissipated_are_the_work(path, law):
     work, largest = path_work(law, path, n=4_001)
     stored, dissipated = energies(law, path[-1], largest)
     # Trapezoids of 4000 a leg, at most a step of 1e-3 mm at a kink: 18 MPa · 1e-3 mm a leg.
     assert stored + dissipated == pytest.approx(work, abs=1e-4 * law.fracture_energy)
 
 
-def test_dissipation_never_falls_and_what_is_stored_comes_back():
-    law = CohesiveLaw()
+@pytest.mark.parametrize("law", [CohesiveLaw(), *TABLES.values()], ids=["the paper's", *TABLES])
+def test_dissipation_never_falls_and_what_is_stored_comes_back(law):
     booked = [energies(law, ell, ell)[1] for ell in np.linspace(0.01, 4.0, 200)]
     assert (np.diff(booked) >= -1e-12).all()
     for largest in (0.2, 1.0, 3.4):
@@ -102,13 +111,39 @@ def test_dissipation_never_falls_and_what_is_stored_comes_back():
         assert -work == pytest.approx(stored, rel=1e-3)
 
 
+def test_each_maker_has_the_energy_of_its_closed_form():
+    # Round-off.
+    assert LAWS["linear"].fracture_energy == pytest.approx(0.5 * 18.0 * 4.0, rel=1e-14)
+    by_hand = 0.5 * (18.0 + 4.0) * 0.6 + 0.5 * 4.0 * 3.4
+    assert LAWS["bilinear"].fracture_energy == pytest.approx(by_hand, rel=1e-14)
+    assert LAWS["exponential"].fracture_energy == pytest.approx(8.0, rel=1e-14)
+    knee = CohesiveLaw(plateau=4.0, opening_a=0.6, opening_p=0.6)
+    for ell in np.linspace(0.0, 4.1, 83):
+        assert LAWS["bilinear"].traction(ell) == knee.traction(ell)
+    law = CohesiveTable(openings=[0, 0.5, 3, 4], tractions=(18, 12, 12, 0), joint="free")
+    np.testing.assert_array_equal(law.parameters(), CohesiveLaw(joint="free").parameters())
+    assert (law.joint, law.short_branch) == ("free", CohesiveLaw().short_branch)
+
+
+def test_the_exponential_law_is_one_to_a_ten_thousandth_of_the_strength():
+    for strength, energy in ((18.0, 8.0), (3.0, 43.5)):
+        law = CohesiveTable.exponential(strength=strength, fracture_energy=energy)
+        ell = np.linspace(0.0, 1.1 * law.opening_u, 20_001)
+        exact = strength * np.exp(-ell * strength / energy)
+        off = np.interp(ell, law.openings, law.tractions) - exact
+        assert np.abs(off).max() < 1e-4 * strength
+        assert law.opening_u == pytest.approx(9.38 * energy / strength, rel=1e-3)
+        assert len(law.openings) == 100
+
+
 def test_birth_energy_is_repaid():
     # Born with ½ sigma_F delta_0 stored and as much of negative dissipation: no net work.
     stored, dissipated = energies(CohesiveLaw(), 0.0, 0.0)
     assert stored == pytest.approx(0.5 * 18.0 * 5e-3, rel=1e-12)
     assert dissipated == pytest.approx(-stored, rel=1e-12)
     for law in LAWS.values():
-        assert energies(law, 4.2, 4.2) == (0.0, pytest.approx(law.fracture_energy, rel=1e-12))
+        over = 1.05 * law.opening_u
+        assert energies(law, over, over) == (0.0, pytest.approx(law.fracture_energy, rel=1e-12))
 
 
 # A law with a low plateau, and one of little more than a drop, end in other ways than the paper's.
@@ -142,7 +177,7 @@ def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(name):
     assert (steps >= 0.0).all()
     # Continuous: no step is longer than the steepest of the ends, 2/sigma_C and 4/sigma_F, takes.
     assert steps.max() < 2.0 / whole.plateau * 600.0 * radii[1] * (1.0 + 1e-9)
-    share = [one.opening_p / one.opening_u for one in cut if one.opening_p > one.opening_a]
+    share = [one.openings[-2] / one.opening_u for one in cut if len(one.openings) == 4]
     np.testing.assert_allclose(share, whole.opening_p / whole.opening_u, rtol=1e-12)
     for one, area in zip(cut[::80], expected[::80], strict=True):
         plain = naive.severed(whole, area)
@@ -150,8 +185,42 @@ def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(name):
             below = one.traction(ell)
             assert below == pytest.approx(naive.envelope(ell, plain), abs=1e-9 * whole.strength)
             assert below <= whole.traction(ell) + 1e-12 * whole.strength
-            if ell <= one.opening_a:
+            if ell <= one.openings[1]:
                 assert below == pytest.approx(whole.traction(ell), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_an_edge_cuts_off_any_law(name):
+    whole = TABLES[name]
+    energy, ells = whole.fracture_energy, np.linspace(0.0, whole.opening_u, 2_000)
+    envelope, before = np.interp(ells, *naive.corners(whole)), np.zeros_like(ells)
+    for area in np.linspace(0.05, 0.999, 160) * energy:
+        one = replace(whole, cutting_energy=area, onset=1e-4).at_edge(0.0)
+        assert one.fracture_energy == pytest.approx(area, rel=1e-12)
+        stress = np.interp(ells, one.openings, one.tractions)
+        # Round-off. It is nowhere above the whole law, and grows everywhere, by steps as short as
+        # those of the area: over the bulges of the two steps too.
+        assert (stress - envelope).max() < 1e-12 * whole.strength
+        assert (before - stress).max() < 1e-12 * whole.strength
+        grown = np.trapezoid(stress - before, ells)
+        assert grown < (0.06 if not before.any() else 0.007) * energy
+        before = stress
+        leaves = max(len(one.openings) - 2, 0)
+        assert one.openings[: leaves - 1] == whole.openings[: leaves - 1] or name == "two steps"
+
+
+@pytest.mark.parametrize("name", ["linear", "bilinear", "exponential"])
+def test_a_table_that_is_cut_off_matches_the_naive_twin(name):
+    whole = TABLES[name]
+    for share in (0.05, 0.3, 0.7, 0.95):
+        area = share * whole.fracture_energy
+        one = replace(whole, cutting_energy=area, onset=1e-4).at_edge(0.0)
+        plain = naive.severed(whole, area)
+        for ell in np.linspace(0.0, whole.opening_u, 200):
+            # The twin searches among places.
+            assert one.traction(ell) == pytest.approx(
+                naive.envelope(ell, plain), abs=1e-4 * whole.strength
+            )
 
 
 def test_a_law_that_no_edge_cuts_off_stays_itself():
@@ -184,3 +253,44 @@ def test_refusals_say_what_must_hold(changes, words):
         CohesiveLaw(**changes)
     for word in words:
         assert word in str(refusal.value)
+
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("openings", "tractions", "words"),
+    [
+        ([0, 1, 1, 2], [18, 12, 8, 0], ["openings must start at 0 and rise, got 1 mm in row 3"]),
+        ([0.1, 1], [18, 0], ["openings must start at 0 and rise, got 0.1 mm in row 1"]),
+        ([0, NAN, 2], [18, 2, 0], ["openings must be finite, got nan mm in row 2"]),
+        ([0, 1, np.inf], [18, 2, 0], ["openings must be finite, got inf mm in row 3"]),
+        ([0, 1], [18, 2], ["tractions must end with 0, got 2 MPa in row 2"]),
+        ([0, 1, 2], [18, -3, 0], ["tractions must be positive, got -3 MPa in row 2"]),
+        ([0, 1, 2], [18, 0, 0], ["tractions must be positive, got 0 MPa in row 2"]),
+        ([0, 1], [0, 0], ["tractions must be positive, got 0 MPa in row 1"]),
+        ([0, 1, 2], [18, NAN, 0], ["tractions must be positive, got nan MPa in row 2"]),
+        ([0, 1, 2], [18, 20, 0], ["tractions must not rise", "part first", "20 MPa in row 2"]),
+        ([0.5, 1], [18, 2], ["got 0.5 mm in row 1", "got 2 MPa in row 2"]),
+        ([0, 1, 2], [18, 0], ["as many, 2 points at least, got 3 and 2"]),
+        ([0], [0], ["as many, 2 points at least, got 1 and 1"]),
+        ([0, "1"], [18, 0], ["openings must be numbers, got"]),
+        ([0, 0.04], [18, 0], ["onset must be small beside opening_u = 0.04 mm"]),
+    ],
+)
+def test_a_table_that_is_no_law_is_refused_by_row(openings, tractions, words):
+    with pytest.raises(ValueError, match="must") as refusal:
+        CohesiveTable(openings=openings, tractions=tractions)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_makers_refuse_by_name():
+    with pytest.raises(ValueError, match=r"knee_opening < opening_u, .* got 5.0 and 4.0 mm"):
+        CohesiveTable.bilinear(strength=18.0, knee_opening=5.0, knee_traction=2.0, opening_u=4.0)
+    with pytest.raises(ValueError, match=r"knee_traction <= strength, .* 20.0 and 18.0 MPa"):
+        CohesiveTable.bilinear(strength=18.0, knee_opening=1.0, knee_traction=20.0, opening_u=4.0)
+    with pytest.raises(ValueError, match="fracture_energy must be positive"):
+        CohesiveTable.exponential(strength=18.0, fracture_energy=0.0)
+    with pytest.raises(ValueError, match="no argument onsett; did you mean onset"):
+        CohesiveTable.linear(strength=18.0, opening_u=4.0, onsett=0.1)

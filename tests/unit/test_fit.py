@@ -41,6 +41,23 @@ def test_the_last_key_keeps_the_energy():
         parameters.values([-1.0])
 
 
+def test_the_numbers_of_a_law_of_another_kind_are_fitted_too(tmp_path):
+    own = tmp_path / "own.toml"
+    law = "kind = 'bilinear'\nstrength = 18\nknee_opening = 0.5\nknee_traction = 6\nopening_u = 4"
+    own.write_text(f"model = 'opening'\n[membrane]\nmesh = 'quick'\n[cohesive]\n{law}\n")
+    ranges = {"knee_traction": "4:10", "cohesive.opening_u": "1:20"}
+    variants, parameters = ModelVariants(own), free(own, ranges, keep=True)
+    for log in (-0.1, 0.0, 0.15):
+        values = parameters.values([log])
+        assert values["cohesive.knee_traction"] == pytest.approx(6.0 * np.exp(log), rel=1e-6)
+        law = variants.read(values).sections["cohesive"].made()
+        by_hand = 0.5 * (18.0 + 6.0) * 0.5 + 0.5 * 6.0 * 3.5
+        assert law.fracture_energy == pytest.approx(by_hand, rel=1e-6)  # seven digits
+    # A key of one kind only takes the place of the model's kind.
+    (one,) = free("opening", {"cohesive.fracture_energy": "20:80"}).all
+    assert (one.start, one.unit) == (pytest.approx(40.0), "N/mm")
+
+
 @pytest.mark.parametrize(
     ("given", "start", "low", "high"),
     [

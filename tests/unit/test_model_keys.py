@@ -57,6 +57,15 @@ GIVEN = {
     ("motion", "straight"): {"direction": [1.0, 0.0, 0.0], "speed": 100.0, "duration": 1e-3},
     ("motion", "table"): {"file": "motion.csv"},
     ("loads", "gravity"): {"acceleration": [0.0, 0.0, 1.0]},
+    ("cohesive", "linear"): {"strength": 18.0, "opening_u": 4.0},
+    ("cohesive", "bilinear"): {
+        "strength": 18.0,
+        "knee_opening": 0.5,
+        "knee_traction": 3.0,
+        "opening_u": 4.0,
+    },
+    ("cohesive", "exponential"): {"strength": 18.0, "fracture_energy": 5.0},
+    ("cohesive", "table"): {"openings": [0.0, 1.0, 4.0], "tractions": [18.0, 9.0, 0.0]},
     ("loads", "pressure"): {"value": 1.0},
     ("loads", "force"): {"nodes": "rim", "force": [0.0, 0.0, 1.0]},
     ("loads", "moment"): {"nodes": "rim", "moment": [0.0, 1.0, 0.0]},
@@ -120,6 +129,9 @@ VARIED = {
     "width": 7.2,
     "notch": 1.0,
     "opening_a": 0.04,
+    "knee_opening": 0.7,
+    "openings": [0.0, 1.0, 5.0],
+    "tractions": [18.0, 8.0, 0.0],
     "ramp": 1e-4,
     "model": None,
     "cutting_energy": 2.9,
@@ -363,9 +375,9 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
     if kind in (*HARDENINGS, *RATES):
         given = INNER[kind.name]
     if key == "joint_friction":
-        given = {"joint": "slip", "joint_friction": 0.3}
+        given = {**given, "joint": "slip", "joint_friction": 0.3}
     if key == "severing_pressure":
-        given = {"cutting_energy": 2.9}
+        given = {**given, "cutting_energy": 2.9}
     if key == "self_friction":
         given = {"self_contact": True}
     other = other_value(kind, key)
@@ -401,6 +413,7 @@ def test_quads_and_divisions_reach_what_is_built(built):
 ELSEWHERE = {"self", "folder", "factor", "layers"}
 ELSEWHERE |= {"progress", "log", "resume", "force", "replace"}  # how it is run
 ELSEWHERE |= {"law"}  # what cards say of a table
+ELSEWHERE |= {"cables"}  # what the makers of a cohesive law hand on
 ELSEWHERE |= {"anisotropy"}  # of cracks without a tool, which a model file has
 ELSEWHERE |= {"material", "direction"}  # of a layer, of a film: [material] has own keys for it
 NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "classes of a user's own"}

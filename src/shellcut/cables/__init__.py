@@ -4,6 +4,6 @@ May import ``state``, ``tool`` and rows below. ``cohesive_law`` gives the force 
 ``directional_cable`` bends the cable around the cutting edge that meets it (paper, section 3).
 """
 
-from .cohesive_law import CohesiveLaw
+from .cohesive_law import CohesiveLaw, CohesiveTable
 
-__all__ = ["CohesiveLaw"]
+__all__ = ["CohesiveLaw", "CohesiveTable"]

@@ -18,7 +18,7 @@ from shellcut.numerics.jit import kernel
 from shellcut.numerics.vec3 import combine, load, norm, sub
 from shellcut.state import BROKEN, JOINTED
 
-from .cohesive_law import CohesiveLaw, envelope, unloading_slope
+from .cohesive_law import CohesiveTable, envelope, unloading_slope
 
 
 class CableColumns(NamedTuple):
@@ -48,7 +48,7 @@ class Compliance(NamedTuple):
     """Largest kappa."""
 
     @classmethod
-    def of(cls, law: CohesiveLaw, grip: float) -> Compliance:
+    def of(cls, law: CohesiveTable, grip: float) -> Compliance:
         """Return that of a law."""
         return cls(max(law.onset, law.short_branch), law.short_branch, law.stick, grip)
 
@@ -67,7 +67,7 @@ def cable_stiffness(
     """Write the ends of the first ``count`` cables that carry, and bounds of stiffness [N/mm].
 
     x : of the nodes (n_node, 3).  law, at_edge : of straight and jointed cables, from
-    :meth:`CohesiveLaw.parameters`.  node, stiffness : (4 n_cable,), written; returns how many.
+    :meth:`CohesiveTable.parameters`.  node, stiffness : (4 n_cable,), written; returns how many.
     """
     n = 0
     for c in range(count):

@@ -69,9 +69,9 @@ class CableTables(NamedTuple):
     directional: bool
     """Whether the cables may meet the edges."""
     law: Annotated[Floats, "(n_parameter,)"]
-    """Of :meth:`CohesiveLaw.parameters`."""
-    at_edge: Annotated[Floats, "(n_parameter,)"]
-    """The same of cables with a joint, :meth:`CohesiveLaw.at_edge`."""
+    """Of :meth:`CohesiveTable.parameters`."""
+    at_edge: Annotated[Floats, "(n_of_edge,)"]
+    """The same of cables with a joint, :meth:`CohesiveTable.at_edge`."""
     joint: JointLaw
     edges: CuttingEdges
     nodes: CableNodes

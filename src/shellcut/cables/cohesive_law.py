@@ -1,7 +1,12 @@
-"""The cohesive law of [Frangi2010] Fig. 4: stress of a cable against its length.
+"""The cohesive law: stress of a cable against its length, a table.
 
-The envelope falls linearly from sigma_F to sigma_C at l_A, stays there to l_P and falls linearly to
-zero at l_U; the area below it is the fracture energy
+The envelope is straight between points (l_k, sigma_k). It begins at l = 0 with the strength
+sigma_F, at which the film parts, never rises and ends with zero at l_U; the area below it is the
+fracture energy G. If it rose above sigma_F, the film beside the crack would part first. All that
+others ask of a law, and what kernels take, comes from the points. They are one's own
+(:class:`CohesiveTable`), or made: the trapezoid of [Frangi2010] Fig. 4 (:class:`CohesiveLaw`),
+:meth:`CohesiveTable.linear`, ``bilinear`` and ``exponential``. The trapezoid falls from sigma_F to
+sigma_C at l_A, stays there to l_P and falls to zero at l_U:
 
     G = ½ (sigma_F - sigma_C) l_A + ½ sigma_C (l_P + l_U)        ([Frangi2010] 5.1).
 
@@ -10,7 +15,9 @@ secant to the origin: a fibre that has drawn out keeps no permanent length. Belo
 delta_0 the secant is replaced by the slope sigma_F / delta_0: a cable just born would otherwise be
 infinitely stiff. Hence it is born with the
 energy ½ sigma_F delta_0 A in its elastic part, booked as a negative dissipation that is repaid
-while the opening grows past delta_0; a broken cable has dissipated exactly G A.
+while the opening grows past delta_0; a broken cable has dissipated exactly G A. What is dissipated
+never falls: over l it grows by ½ (sigma - l sigma') or, with the slope, sigma - sigma sigma'
+delta_0/sigma_F, and the envelope has sigma' <= 0.
 
 **Severed at a sharp edge.** Cables wrapped around an edge of radius r lie one upon the other; the
 oldest lies on the edge and bears the pull of all. A steady cut has one of length l at l/2 behind
@@ -26,8 +33,9 @@ however thick the film is. It follows the law cut off at that area, see :meth:`C
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -51,36 +59,45 @@ _START_OPENING = 1.0 / 80.0
 # sigma A / stick, is below that of a new cable.
 _STICK = 1.0 / 400.0
 
-STRENGTH, PLATEAU, OPENING_A, OPENING_P, OPENING_U = 0, 1, 2, 3, 4
-CAP, ONSET, SHORT_BRANCH, START_OPENING, AREA = 5, 6, 7, 8, 9
-"""Places of the numbers of a law as kernels take it: those of :class:`CohesiveLaw` by their names,
-the steepest slope of unloading, two lengths, and the area below."""
+STRENGTH, OPENING_U, CAP, ONSET, SHORT_BRANCH, START_OPENING, AREA = range(7)
+"""Places of the numbers of a law as kernels take it: those of :class:`CohesiveTable` by their
+names, the steepest slope of unloading, two lengths, and the area below."""
+_N_PART, _PARTS = 7, 8
+"""Places of the number of straight parts, and of the first of them; l_U follows the last."""
+_START, _ANCHOR, _STRESS, _DROP, _WIDTH, _BELOW, _PART = range(7)
+"""Of a part: where it starts, a place on it with its stress and the area below the law up to there,
+by how much it falls over its width; and how many these are."""
+
+Strength: TypeAlias = Annotated[
+    float, Option("MPa", "sigma_F, at which the film parts and a cable begins", above=0)
+]
+End: TypeAlias = Annotated[float, Option("mm", "l_U, at which the cable breaks", above=0)]
 
 
 @checked
 @dataclass(frozen=True, kw_only=True)
-class CohesiveLaw:
-    """Stress [MPa] of a cable against its length [mm]; defaults are [Frangi2010] 5.1.
+class CohesiveTable:
+    """Stress [MPa] of a cable against its length [mm], straight between points.
 
     Raises
     ------
     ValueError
-        If the law does not decrease, or the joint does not fit its friction.
+        If the points are no law, or the joint does not fit its friction.
 
     Examples
     --------
-    >>> law = CohesiveLaw(strength=18.0, plateau=12.0, opening_a=0.5, opening_p=3.0, opening_u=4.0)
-    >>> law.fracture_energy
-    43.5
+    >>> law = CohesiveTable(openings=[0.0, 0.5, 3.0, 4.0], tractions=[18.0, 12.0, 12.0, 0.0])
+    >>> law.strength, law.fracture_energy, law.opening_u
+    (18.0, 43.5, 4.0)
+    >>> CohesiveTable.linear(strength=18.0, opening_u=4.0, joint="free").fracture_energy
+    36.0
     """
 
-    strength: Annotated[
-        float, Option("MPa", "sigma_F, at which the film parts and a cable begins", above=0)
-    ] = 18.0
-    plateau: Annotated[float, Option("MPa", "sigma_C, constant from l_A to l_P", above=0)] = 12.0
-    opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
-    opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
-    opening_u: Annotated[float, Option("mm", "l_U, at which the cable breaks", above=0)] = 4.0
+    openings: Annotated[Sequence[float], Option("mm", "lengths of a cable, from 0", form="numbers")]
+    tractions: Annotated[
+        Sequence[float],
+        Option("MPa", "its stresses at these: the strength first, at last 0", form="numbers"),
+    ]
     onset: Annotated[
         float,
         Option(
@@ -119,18 +136,10 @@ class CohesiveLaw:
     ] = None
 
     def __post_init__(self) -> None:
-        problems = []
-        if not self.plateau <= self.strength:
-            problems.append(
-                "the law must decrease: 0 < plateau <= strength, got "
-                f"plateau {self.plateau} MPa, strength {self.strength} MPa"
-            )
-        if not self.opening_a <= self.opening_p < self.opening_u:
-            problems.append(
-                "the law must decrease: 0 < opening_a <= opening_p < opening_u, got "
-                f"{self.opening_a}, {self.opening_p}, {self.opening_u} mm"
-            )
-        if self.onset > 0.1 * self.opening_u:
+        for name in ("openings", "tractions"):
+            object.__setattr__(self, name, tuple(float(one) for one in getattr(self, name)))
+        problems = self._of_shape()
+        if len(self.openings) > 1 and self.onset > 0.1 * self.opening_u:
             problems.append(
                 f"onset must be small beside opening_u = {self.opening_u:.4g} mm, a "
                 f"tenth at most, got {self.onset}"
@@ -139,6 +148,28 @@ class CohesiveLaw:
         problems += [] if problems else self._of_severing()
         if problems:
             raise ValueError("; ".join(problems))
+
+    def _of_shape(self) -> list[str]:
+        length, stress = np.array(self.openings), np.array(self.tractions)
+        if len(length) != len(stress) or len(length) < 2:
+            return [
+                "openings and tractions must be as many, 2 points at least, got "
+                f"{len(length)} and {len(stress)}"
+            ]
+        rises, falls = np.diff(length) > 0.0, np.diff(stress) <= 0.0
+        film = "must not rise (the film beside the crack would part first)"
+        rules = (
+            ("openings", "mm", "must start at 0 and rise", np.append(length[0] == 0.0, rises)),
+            ("openings", "mm", "must be finite", np.isfinite(length)),
+            ("tractions", "MPa", "must be positive", np.append(stress[:-1] > 0.0, True)),
+            ("tractions", "MPa", "must end with 0", stress[-1:] == 0.0),
+            ("tractions", "MPa", film, np.append(True, falls)),
+        )
+        return [
+            f"{name} {must}, got {getattr(self, name)[row]:g} {unit} in row {row + 1}"
+            for name, unit, must, kept in rules
+            for row in np.flatnonzero(~kept) + len(length) - len(kept)
+        ]
 
     def _of_joint(self) -> list[str]:
         mu, problems = self.joint_friction, []
@@ -169,13 +200,61 @@ class CohesiveLaw:
             return [f"the law cut off at cutting_energy = {least} N/mm: {problem}"]
         return []
 
-    def at_edge(self, radius: float) -> CohesiveLaw:
-        """Return the law of cables around an edge [mm]: this law, cut off at the area G_s.
+    @staticmethod
+    @checked
+    def linear(*, strength: Strength, opening_u: End, **cables: Any) -> CohesiveTable:
+        """Return the law that falls straight to zero; ``cables`` are arguments of the class."""
+        return CohesiveTable(openings=(0.0, opening_u), tractions=(strength, 0.0), **cables)
 
-        It falls as this one does and ends where its area is G_s, with the same l_P/l_U = rho. Short
-        laws end on the drop, at l_A' = l_P' = rho l_U'. Where it would then fall more slowly than
-        the drop, which a law with a low plateau does, it ends at l_P' = l_A instead; so it is
-        nowhere above this law, and l_U' grows steadily with G_s.
+    @staticmethod
+    @checked
+    def bilinear(
+        *,
+        strength: Strength,
+        knee_opening: Annotated[float, Option("mm", "where the law turns", above=0)],
+        knee_traction: Annotated[float, Option("MPa", "at which the law turns", above=0)],
+        opening_u: End,
+        **cables: Any,
+    ) -> CohesiveTable:
+        """Return the law of two straight parts; ``cables`` are arguments of the class."""
+        if not (knee_opening < opening_u and knee_traction <= strength):
+            raise ValueError(
+                "the law must decrease: knee_opening < opening_u, knee_traction <= strength, got "
+                f"{knee_opening} and {opening_u} mm, {knee_traction} and {strength} MPa"
+            )
+        openings, tractions = (0.0, knee_opening, opening_u), (strength, knee_traction, 0.0)
+        return CohesiveTable(openings=openings, tractions=tractions, **cables)
+
+    @staticmethod
+    @checked
+    def exponential(
+        *,
+        strength: Strength,
+        fracture_energy: Annotated[float, Option("N/mm", "G, area below the law, kJ/m²", above=0)],
+        **cables: Any,
+    ) -> CohesiveTable:
+        """Return sigma_F exp(-l sigma_F/G) by 100 points; ``cables`` are arguments of the class.
+
+        Stresses are right to 1e-4 of the strength, the area is exact; it ends at 9.4 G/sigma_F.
+        """
+        # Chords of exp(-s) are off by d² exp(-s)/8, the same for all where the roots of the
+        # stresses are at equal distances. The last part has the area of all that is left.
+        root = np.linspace(1.0, 0.025, 99)
+        length = np.array([-2.0 * math.log(one) for one in (*root, root[-1])])
+        length[-1] += 2.0
+        stress = np.append(root**2, 0.0)
+        length *= fracture_energy / strength / _areas(length, stress)[-1]
+        return CohesiveTable(
+            openings=length.tolist(), tractions=(strength * stress).tolist(), **cables
+        )
+
+    def at_edge(self, radius: float) -> CohesiveTable:
+        """Return the law of cables around an edge [mm]: this one, cut off at the area G_s.
+
+        It falls as this one does up to c, and from there straight to its end l_U', with the c from
+        rho l_U' on, rho = l_{n-1}/l_n, whose line is the flattest. So it is nowhere above this one,
+        and grows with l_U' at every length. Where c jumps, over a bulge of this law, laws between
+        the two are means of both.
 
         Examples
         --------
@@ -189,26 +268,43 @@ class CohesiveLaw:
         area = self.cutting_energy + 2.0 * radius * (self.severing_pressure or 0.0)
         if area >= self.fracture_energy:
             return replace(self, cutting_energy=None, severing_pressure=None)
-        rho, drop = self.opening_p / self.opening_u, self.strength - self.plateau
-        slope, plateau = drop / self.opening_a, self.plateau
-        end = (area - 0.5 * drop * self.opening_a) / (0.5 * self.plateau * (1.0 + rho))
-        a, p = self.opening_a, rho * end
-        if p < a:
-            b = 0.5 * self.strength * (1.0 + rho)
-            end = 2.0 * area / (b + math.sqrt(max(b * b - 2.0 * slope * rho * area, 0.0)))
-            a = p = rho * end
-            plateau = self.strength - slope * a
-            if slope * end > self.strength:
-                a = p = self.opening_a
-                plateau, end = self.plateau, (2.0 * area - self.strength * a) / self.plateau
-        return replace(
-            self,
-            plateau=plateau,
-            opening_a=a,
-            opening_p=p,
-            opening_u=end,
-            cutting_energy=None,
-            severing_pressure=None,
+        low, high = 0.0, self.opening_u
+        for _ in range(64):  # to the last bit
+            end = 0.5 * (low + high)
+            if _areas(*self._cut_off(end))[-1] > area:
+                high = end
+            else:
+                low = end
+        less, more = self._cut_off(low), self._cut_off(high)
+        least, most = _areas(*less)[-1], _areas(*more)[-1]
+        length, stress = more
+        if most - least > 1e-9 * most:
+            share = (area - least) / (most - least)
+            length = np.union1d(more[0], less[0][:-1])
+            stress = share * np.interp(length, *more) + (1.0 - share) * np.interp(length, *less)
+        return CohesiveTable(
+            openings=length.tolist(),
+            tractions=stress.tolist(),
+            onset=self.onset,
+            joint=self.joint,
+            joint_friction=self.joint_friction,
+        )
+
+    def _cut_off(self, end: float) -> tuple[Floats, Floats]:
+        """Return the points of the law that is cut off so as to end at ``end``.
+
+        With a longer end c is no smaller: from a c' < c the line to the shorter end passes over c,
+        so the one to the longer end would do so too, and would not be the flattest.
+        """
+        length, stress = np.array(self.openings), np.array(self.tractions)
+        start = length[-2] / length[-1] * end
+        at = np.append(start, length[(length > start) & (length < end)])
+        height = np.interp(at, length, stress)
+        leaves = np.argmin(height / (end - at))
+        before = length < at[leaves]
+        return (
+            np.concatenate([length[before], [at[leaves], end]]),
+            np.concatenate([stress[before], [height[leaves], 0.0]]),
         )
 
     @property
@@ -219,11 +315,19 @@ class CohesiveLaw:
         return 0.5 * (self.fracture_energy - self.cutting_energy) / self.severing_pressure
 
     @property
+    def strength(self) -> float:
+        """sigma_F, at which the film parts and a cable begins [MPa]."""
+        return self.tractions[0]
+
+    @property
+    def opening_u(self) -> float:
+        """l_U, at which the cable breaks [mm]."""
+        return self.openings[-1]
+
+    @property
     def fracture_energy(self) -> float:
         """G, area below the envelope [N/mm = kJ/m²]."""
-        return 0.5 * (self.strength - self.plateau) * self.opening_a + 0.5 * self.plateau * (
-            self.opening_p + self.opening_u
-        )
+        return float(_areas(np.array(self.openings), np.array(self.tractions))[-1])
 
     @property
     def short_branch(self) -> float:
@@ -242,21 +346,16 @@ class CohesiveLaw:
 
     def parameters(self) -> Floats:
         """Return the law as kernels take it, in the order of ``STRENGTH`` and the rest."""
+        length, stress = np.array(self.openings), np.array(self.tractions)
+        below = _areas(length, stress)
         cap = self.strength / self.onset if self.onset > 0 else math.inf
-        return np.array(
-            [
-                self.strength,
-                self.plateau,
-                self.opening_a,
-                self.opening_p,
-                self.opening_u,
-                cap,
-                self.onset,
-                self.short_branch,
-                self.start_opening,
-                self.fracture_energy,
-            ]
-        )
+        start, width, drop = length[:-1], np.diff(length), -np.diff(stress)
+        parts = np.stack([start, start, stress[:-1], drop, width, below[:-1]], axis=1)
+        # The last part is taken from its end: its stress then goes to zero without round-off.
+        parts[-1, [_ANCHOR, _STRESS, _BELOW]] = length[-1], stress[-1], below[-1]
+        numbers = [self.strength, self.opening_u, cap, self.onset, self.short_branch]
+        numbers += [self.start_opening, float(below[-1]), float(len(parts))]
+        return np.concatenate([numbers, parts.ravel(), [self.opening_u]])
 
     def traction(self, opening: float, opening_max: float | None = None) -> float:
         """Return the stress [MPa] at an opening [mm], unloaded from ``opening_max`` if given."""
@@ -270,18 +369,82 @@ class CohesiveLaw:
         return stored, dissipated
 
 
+@checked
+@dataclass(frozen=True, kw_only=True)
+class CohesiveLaw(CohesiveTable):
+    """The paper's trapezoid; defaults are [Frangi2010] 5.1.
+
+    Raises
+    ------
+    ValueError
+        If the law does not decrease, or the joint does not go with its friction.
+
+    Examples
+    --------
+    >>> law = CohesiveLaw(strength=18.0, plateau=12.0, opening_a=0.5, opening_p=3.0, opening_u=4.0)
+    >>> law.fracture_energy
+    43.5
+    """
+
+    openings: Sequence[float] = field(init=False, repr=False, compare=False)
+    tractions: Sequence[float] = field(init=False, repr=False, compare=False)
+    strength: Strength = 18.0
+    plateau: Annotated[float, Option("MPa", "sigma_C, held from l_A to l_P", above=0)] = 12.0
+    opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
+    opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
+    opening_u: End = 4.0
+
+    def __post_init__(self) -> None:
+        corners = {0.0: self.strength, self.opening_a: self.plateau, self.opening_p: self.plateau}
+        corners[self.opening_u] = 0.0
+        object.__setattr__(self, "openings", tuple(corners))
+        object.__setattr__(self, "tractions", tuple(corners.values()))
+        super().__post_init__()
+
+    def _of_shape(self) -> list[str]:
+        problems = []
+        if not self.plateau <= self.strength:
+            problems.append(
+                "the law must decrease: 0 < plateau <= strength, got "
+                f"plateau {self.plateau} MPa, strength {self.strength} MPa"
+            )
+        if not self.opening_a <= self.opening_p < self.opening_u:
+            problems.append(
+                "the law must decrease: 0 < opening_a <= opening_p < opening_u, got "
+                f"{self.opening_a}, {self.opening_p}, {self.opening_u} mm"
+            )
+        return problems
+
+
+def _areas(length: Floats, stress: Floats) -> Floats:
+    """Return the areas below straight parts from the first point up to each."""
+    return np.append(0.0, np.cumsum(0.5 * (stress[1:] + stress[:-1]) * np.diff(length)))
+
+
+@inline
+def _part_at(opening: float, law: Floats) -> int:
+    """Return where the straight part at an opening from 0 to l_U stands; by halving, if many."""
+    at, left = _PARTS, int(law[_N_PART])
+    while left > 4:
+        half = left // 2
+        if opening >= law[at + _PART * half]:
+            at += _PART * half
+        left -= half
+    while opening >= law[at + _PART]:
+        at += _PART
+    return at
+
+
 @inline
 def envelope(opening: float, law: Floats) -> float:
-    """Return the stress of first loading [MPa]. [Frangi2010] Fig. 4."""
+    """Return the stress of first loading [MPa]. [Frangi2010] Fig. 4, for any table."""
     if opening <= 0.0:
         return float(law[STRENGTH])
-    if opening < law[OPENING_A]:
-        return float(law[STRENGTH] - (law[STRENGTH] - law[PLATEAU]) * opening / law[OPENING_A])
-    if opening < law[OPENING_P]:
-        return float(law[PLATEAU])
-    if opening < law[OPENING_U]:
-        return float(law[PLATEAU] * (law[OPENING_U] - opening) / (law[OPENING_U] - law[OPENING_P]))
-    return 0.0
+    if not opening < law[OPENING_U]:
+        return 0.0
+    at = _part_at(opening, law)
+    over = opening - law[at + _ANCHOR]
+    return float(law[at + _STRESS] - law[at + _DROP] * over / law[at + _WIDTH])
 
 
 @inline
@@ -295,11 +458,9 @@ def unloading_slope(peak: float, opening_max: float, law: Floats) -> float:
 @inline
 def traction(opening: float, opening_max: float, law: Floats) -> float:
     """Return the stress [MPa]; ``opening_max`` >= ``opening`` is the largest so far."""
-    if opening >= opening_max:
-        return envelope(opening, law)
     peak = envelope(opening_max, law)
-    if peak == 0.0:
-        return 0.0
+    if opening >= opening_max or peak == 0.0:
+        return peak
     stress = peak - unloading_slope(peak, opening_max, law) * (opening_max - opening)
     return max(stress, 0.0)
 
@@ -309,15 +470,12 @@ def area_below(opening: float, law: Floats) -> float:
     """Return the integral of the envelope from 0 to ``opening`` [N/mm]."""
     if opening <= 0.0:
         return 0.0
-    la, lp, lu = law[OPENING_A], law[OPENING_P], law[OPENING_U]
-    a = min(opening, la)
-    area = law[STRENGTH] * a - 0.5 * (law[STRENGTH] - law[PLATEAU]) * a * a / la
-    if opening > la:
-        area += law[PLATEAU] * (min(opening, lp) - la)
-    if opening > lp:
-        left = lu - min(opening, lu)
-        area += 0.5 * law[PLATEAU] * ((lu - lp) - left * left / (lu - lp))
-    return float(area)
+    if not opening < law[OPENING_U]:
+        return float(law[AREA])
+    at = _part_at(opening, law)
+    over = opening - law[at + _ANCHOR]
+    bent = 0.5 * law[at + _DROP] * over * over / law[at + _WIDTH]
+    return float(law[at + _BELOW] + (law[at + _STRESS] * over - bent))
 
 
 @inline

@@ -62,7 +62,15 @@ from shellcut.tool.touch import Booking, Touch, react
 from .bent_cable import Joint, bend, keep_direction, work_at_edge
 from .cable_stiffness import CableColumns, Compliance, cable_stiffness
 from .cable_tables import CableNodes, CableRows, CableTables
-from .cohesive_law import AREA, ONSET, START_OPENING, CohesiveLaw, energies, envelope, traction
+from .cohesive_law import (
+    AREA,
+    ONSET,
+    OPENING_U,
+    START_OPENING,
+    CohesiveTable,
+    energies,
+    traction,
+)
 from .joint_slip import joint_law
 from .meeting import meet_edge
 
@@ -111,7 +119,7 @@ class CableSet(ForceTerm):
 
     Parameters
     ----------
-    law : CohesiveLaw
+    law : CohesiveTable
         Stress against length.
     tool : Tool, optional
         Whose cutting edges the cables may meet.
@@ -127,7 +135,7 @@ class CableSet(ForceTerm):
     """What the energy balance gets from the sums."""
     n_search = -1  # cables turn, and pull, from step to step
 
-    def __init__(self, law: CohesiveLaw, tool: Tool | None, *, directional: bool = True) -> None:
+    def __init__(self, law: CohesiveTable, tool: Tool | None, *, directional: bool = True) -> None:
         self.name = "joints"  # of its columns: only cables with a joint touch the tool
         self.law = law
         self.at_edge = law.at_edge(tool.edge_radius if tool is not None else 0.0)
@@ -399,7 +407,7 @@ def _add_cable_forces(
             couple[k] += rest[k]
 
         # The law is irreversible: past its end the cable never carries again.
-        if envelope(opening_max[c], law) == 0.0:
+        if not opening_max[c] < law[OPENING_U]:
             status[c] = BROKEN
             cables.end_time[c] = time
             n_broken += 1

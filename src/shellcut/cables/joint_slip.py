@@ -78,7 +78,7 @@ from shellcut.tool.tool import Tool
 
 from .around_edge import Branch, branch_to, side_of
 from .cable_tables import CableRows, JointLaw
-from .cohesive_law import CohesiveLaw
+from .cohesive_law import CohesiveTable
 
 # Of the search for the place of a joint: ten turns are usual, and below this part of the lengths
 # there is only round-off.
@@ -86,7 +86,7 @@ _MOST_TURNS = 100
 _CLOSE = 1e-13
 
 
-def joint_law(law: CohesiveLaw, tool: Tool | None) -> JointLaw:
+def joint_law(law: CohesiveTable, tool: Tool | None) -> JointLaw:
     """Return what the kernel needs to know of the joints."""
     friction = law.joint_friction if law.joint == "slip" else 0.0
     return JointLaw(law.joint != "adhesion", friction, law.stick, neighbours(tool))

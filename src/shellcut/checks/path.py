@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Bools
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.formats.errors import counted, named
 from shellcut.mesh.mesh import Mesh
 
@@ -40,7 +40,7 @@ RUNGS = 2.0
 def check_path(
     mesh: Mesh,
     support: Bools,
-    law: CohesiveLaw,
+    law: CohesiveTable,
     sweep: Sweep,
     fracture: Fracture,
     remedy: str = "",

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.arrays import norm, off_segments
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.material.plastic import Plastic
 from shellcut.material.secants import secants_at
 
@@ -43,7 +43,7 @@ _FROM_RIM = 0.25
 """Edges of the film from its rim beyond which a cutting edge comes down on its face."""
 
 
-def check_piercing(sim: Simulation, law: CohesiveLaw, sweep: Sweep) -> Iterator[Finding]:
+def check_piercing(sim: Simulation, law: CohesiveTable, sweep: Sweep) -> Iterator[Finding]:
     """Yield where F_p of the strength is not the force at which a tip goes through."""
     if sim.cracks is None or not _on_face(sim, sweep):
         return

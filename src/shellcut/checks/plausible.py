@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shellcut.arrays import norm
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.formats.errors import counted
 from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
@@ -46,7 +46,7 @@ RUPTURED = 1.0
 
 
 def check_numbers(
-    mesh: Mesh, material: ShellMaterial, law: CohesiveLaw | None, tool: Tool | None
+    mesh: Mesh, material: ShellMaterial, law: CohesiveTable | None, tool: Tool | None
 ) -> Iterator[Finding]:
     """Yield implausible values of film, material, law and tool size."""
     yield from _thickness(mesh, material)
@@ -156,7 +156,7 @@ def _yielding(material: ShellMaterial) -> Iterator[Finding]:
             )
 
 
-def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveLaw) -> Iterator[Finding]:
+def _law(mesh: Mesh, material: ShellMaterial, law: CohesiveTable) -> Iterator[Finding]:
     # the strain at which the film as a whole carries the strength
     young = material.stretching_stiffness / material.thickness
     strain = law.strength / young

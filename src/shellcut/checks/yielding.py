@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.material.nominal_stress import (
     LargestNominalStress,
     largest_nominal_stress,
@@ -25,7 +25,7 @@ _PLASTIC = 0.02
 """Strain beyond the elastic one from which a film is said to yield before it cracks."""
 
 
-def check_strength(material: ShellMaterial, law: CohesiveLaw | None) -> Iterator[Finding]:
+def check_strength(material: ShellMaterial, law: CohesiveTable | None) -> Iterator[Finding]:
     """Yield what a film that yields carries, where that matters to its cracks."""
     if law is None or material.is_linear:
         return

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.loads import LoadSet
@@ -62,7 +62,7 @@ class Cracks:
         Before the first cut.
     fracture : Fracture
         How they start and run.
-    law : CohesiveLaw
+    law : CohesiveTable
         Of the cables that join the two sides of a cut.
     shell, loads : MITC4Shell, LoadSet
         Give the forces that hold a film together.
@@ -78,7 +78,7 @@ class Cracks:
         self,
         state: State,
         fracture: Fracture,
-        law: CohesiveLaw,
+        law: CohesiveTable,
         shell: MITC4Shell,
         loads: LoadSet,
         tool: Tool | None = None,

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, norm, product
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
@@ -61,7 +61,7 @@ class Cuts:
         self,
         state: State,
         shell: MITC4Shell,
-        law: CohesiveLaw,
+        law: CohesiveTable,
         anisotropy: Anisotropy | None = None,
         *,
         loads: LoadSet | None = None,

@@ -53,7 +53,7 @@ from typing import NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, each, product, unit
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.mesh.quad_geometry import corner_normals
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
@@ -128,7 +128,7 @@ class FreeDirection:
     ----------
     shell, film : MITC4Shell, CutFilm
         The film, and how it is cut.
-    law : CohesiveLaw
+    law : CohesiveTable
         Gives sigma_F.
     anisotropy : Anisotropy, optional
         Of the film.
@@ -138,7 +138,7 @@ class FreeDirection:
         self,
         shell: MITC4Shell,
         film: CutFilm,
-        law: CohesiveLaw,
+        law: CohesiveTable,
         anisotropy: Anisotropy | None = None,
     ) -> None:
         self._shell, self._film = shell, film

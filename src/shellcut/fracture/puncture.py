@@ -55,7 +55,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Floats, product
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.material.orthotropic import turned_moduli
 from shellcut.material.secants import secants_at
 from shellcut.material.shell_material import ShellMaterial
@@ -85,7 +85,7 @@ class Puncture:
     """Force of the sheet at a speed that a point of it gets at once, 8 sqrt(D rho h) [N·s/mm]."""
 
     @classmethod
-    def of(cls, film: ShellMaterial, law: CohesiveLaw) -> Puncture:
+    def of(cls, film: ShellMaterial, law: CohesiveTable) -> Puncture:
         """Return that of a film with its stiffness, thickness and strength."""
         tension = law.strength * film.thickness
         stretching, bending = _stiffnesses(film, secants_at(film, tension)[0])
@@ -125,12 +125,12 @@ def edge_bluntness(bow: float, radius: float) -> float:
     return (most + 5.0 * between) / 6.0
 
 
-def puncture_force(film: ShellMaterial, law: CohesiveLaw, radius: float = 0.0) -> float:
+def puncture_force(film: ShellMaterial, law: CohesiveTable, radius: float = 0.0) -> float:
     """Return F_p [N].
 
     Parameters
     ----------
-    film, law : ShellMaterial, CohesiveLaw
+    film, law : ShellMaterial, CohesiveTable
         Stiffness, thickness and strength.
     radius : float
         rho of the tip [mm].
@@ -144,7 +144,7 @@ def puncture_force(film: ShellMaterial, law: CohesiveLaw, radius: float = 0.0) -
     return Puncture.of(film, law).force(radius)
 
 
-def bending_length(film: ShellMaterial, law: CohesiveLaw) -> float:
+def bending_length(film: ShellMaterial, law: CohesiveTable) -> float:
     """Return L of a film at its strength [mm], of its moduli before it yields.
 
     Examples

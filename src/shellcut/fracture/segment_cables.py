@@ -29,7 +29,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shellcut.arrays import Floats, unit
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.state import NOT_MET, KnownTopology, State
 
@@ -60,7 +60,7 @@ class SegmentCables:
 
     def __init__(
         self,
-        law: CohesiveLaw,
+        law: CohesiveTable,
         material: ShellMaterial,
         count: int,
         anisotropy: Anisotropy | None = None,

@@ -95,23 +95,25 @@ def _set(
 ) -> list[str]:
     """Set a key of a section or table, and return the keys that give way to it.
 
-    Those are the keys of other kinds only, if the key identifies a kind: the present one, if that
-    has the key. Unknown keys and those to ``keep`` remain, and are refused later. Raises ValueError
-    if there is something else in the place of a table, or no table at a place.
+    Those are the keys of other kinds only, if the key identifies a kind, or names it: the present
+    one, if that has the key. Unknown keys and those to ``keep`` remain, and are refused later.
+    Raises ValueError if there is something else in the place of a table, or no table at a place.
     """
     table: Any = values
     for end in range(1, len(path)):
         table = _copied(table, path[:end], path[end])
     key = path[-1]
     gone: list[str] = []
-    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
     present = kind_of(kinds, table)
+    identified = [kind for kind in kinds if key in (kind.sign, kind.also_sign)]
+    if key == "kind":
+        present, identified = None, [kind for kind in kinds if kind.name == value]
     if identified:
         stays = present is not None and key in present.names()
         chosen = present if present is not None and stays else identified[0]
         known = {name for kind in kinds for name in kind.names()}
         foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
-        gone = [name for name in table if name in foreign and name not in keep]
+        gone = [name for name in table if name in foreign and name not in {*keep, key}]
     for name in gone:
         del table[name]
     table[key] = value

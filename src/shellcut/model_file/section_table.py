@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from shellcut.arguments import declared
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import NO_IMPRINT, Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure, steady
@@ -245,7 +245,42 @@ def _way(doc: str, builder: Constructor, names: tuple[str, ...], constructor: An
 
 # --- cracks, contact, step, output ---------------------------------------------------------------
 
-COHESIVE = Kind("Cable stress as a function of cable length.", keys_of(CohesiveLaw), CohesiveLaw)
+_TRAPEZOID = "strength", "plateau", "opening_a", "opening_p", "opening_u"
+_PAPER_LAW = CohesiveLaw()
+_CABLES = "onset", "joint", "joint_friction", "cutting_energy", "severing_pressure"
+
+
+def _law(section: Section) -> Any:
+    assert section.of.constructor is not None
+    return section.of.constructor(**section.values)
+
+
+def _laws(like: CohesiveLaw) -> Kinds:
+    """Return the kinds of ``[cohesive]``, with the defaults of a law."""
+    cables = keys_of(CohesiveTable, *_CABLES, like=like)
+
+    def made_by(maker: Constructor, name: str, sign: str, doc: str) -> Kind:
+        return Kind(doc, keys_of(maker) | cables, maker, name, sign, make=_law)
+
+    return (
+        Kind(
+            "Cable stress over cable length: a drop, a plateau and a fall, as in the paper.",
+            keys_of(CohesiveLaw, *_TRAPEZOID, *_CABLES, like=like),
+            CohesiveLaw,
+            name="trapezoid",
+        ),
+        made_by(CohesiveTable.linear, "linear", "", "It falls straight to zero."),
+        made_by(CohesiveTable.bilinear, "bilinear", "knee_opening", "It falls in two parts."),
+        made_by(
+            CohesiveTable.exponential,
+            "exponential",
+            "fracture_energy",
+            "strength exp(-length strength / fracture_energy), by 100 points.",
+        ),
+        made_by(CohesiveTable, "table", "openings", "Straight between points of one's own."),
+    )
+
+
 CONTACT = Kind(
     "Penalty contact with the tool, and of the film with itself.",
     keys_of(Contact, defaults={"film_edges": False}),
@@ -273,10 +308,6 @@ OUTPUT = Kind(
     keys_of(RunOptions, renamed=_COUNTS | {"checkpoint_every": "checkpoint_every_s"}),
     RunOptions,
 )
-
-
-def _law(like: CohesiveLaw) -> Kind:
-    return replace(COHESIVE, keys=keys_of(CohesiveLaw, like=like))
 
 
 def _unsteered(like: Fracture, *names: str) -> Kind:
@@ -334,7 +365,7 @@ def _layout(
     tool: Kinds = (),
     *,
     film: Kind = HOMOGENEOUS,
-    law: Kind = COHESIVE,
+    law: CohesiveLaw = _PAPER_LAW,
     contact: Kind | None = CONTACT,
     fracture: Kind = FRACTURE,
     damping: Kind = DAMPING,
@@ -342,7 +373,7 @@ def _layout(
     return {
         "membrane": tuple(map(_placeable, membrane)),
         "material": (film, LAMINATE),
-        "cohesive": (law,),
+        "cohesive": _laws(law),
         **({"tool": tool} if tool else {}),
         "motion": motion,
         **({"contact": (contact,)} if contact else {}),
@@ -401,7 +432,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         ),
         _way("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),
         film=HOMOGENEOUS.with_keys(thickness=THICKNESS),
-        law=_law(TEAR_LAW),
+        law=TEAR_LAW,
         contact=None,
         fracture=_unsteered(TEAR_FRACTURE),
         damping=_damped_by(f"{PAPER_DAMPING:g} s", alpha=MASS_DAMPING),
@@ -424,7 +455,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         ),
         (BAR,),
         film=HOMOGENEOUS.with_keys(**BAR_FILM),
-        law=_law(BAR_LAW),
+        law=BAR_LAW,
         contact=CONTACT.with_keys(penalty=BAR_CONTACT.penalty),
         fracture=_unsteered(BAR_FRACTURE, "fibres"),
         damping=_damped_by(f"{STIFFNESS_DAMPING:g} s"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, product, unit
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.notch_line import row_at
@@ -37,7 +37,7 @@ def free_cut(
     notch: Notch = 0.0,
     clamp: Clamp = (),
     material: ShellMaterial | None = None,
-    law: CohesiveLaw | None = None,
+    law: CohesiveTable | None = None,
     **options: Any,
 ) -> Case:
     """Build a cut from its parts.
@@ -52,7 +52,7 @@ def free_cut(
         The film, flat or curved.
     tool, motion : Tool, Motion
         The cutter and how it moves.
-    material, law : ShellMaterial, CohesiveLaw, optional
+    material, law : ShellMaterial, CohesiveTable, optional
         The paper's film by default.
     **options
         Options of :class:`Simulation`: ``supports`` besides ``clamp``, ``loads``, ``contact``,

@@ -17,7 +17,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, norm, unit
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.checks.row import ON_ROW
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -79,7 +79,7 @@ def guillotine(
     clamp: Clamp = ("bottom", "top"),
     tool: Tool | None = None,
     material: ShellMaterial | None = None,
-    law: CohesiveLaw | None = None,
+    law: CohesiveTable | None = None,
     **options: Any,
 ) -> Case:
     """Build the guillotine.
@@ -97,7 +97,7 @@ def guillotine(
         film; the notch lies there too. :func:`straight_blade` by default: edge at 90°
         to the film, half-angle 10°, half thickness 0.3 mm, as long as the strip, because flanks
         closing behind a short blade push it forward, and 3 mm high or as high as it slides.
-    material, law : ShellMaterial, CohesiveLaw, optional
+    material, law : ShellMaterial, CohesiveTable, optional
         The paper's film by default.
     **options
         Options of :class:`Simulation`. Without a ``fracture.path`` cracks follow edges where a line
@@ -149,7 +149,7 @@ def blade_before(
     travel: float | None,
     speed: float,
     slice_ratio: float = 0.0,
-    law: CohesiveLaw,
+    law: CohesiveTable,
 ) -> tuple[Tool, StraightMotion, float]:
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))

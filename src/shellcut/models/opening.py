@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Annotated, Any
 
 from shellcut.arguments import Option, checked
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
@@ -34,7 +34,7 @@ def opening_test(
     duration: Annotated[float, Option("s", "of the run", above=0)] = 6.0e-3,
     clamp: Clamp = ("rim",),
     material: ShellMaterial | None = None,
-    law: CohesiveLaw | None = None,
+    law: CohesiveTable | None = None,
     **options: Any,
 ) -> Case:
     """Build the opening test: a disc of the package, or a flat film of your own.
@@ -43,7 +43,7 @@ def opening_test(
     ----------
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
-    material, law : ShellMaterial, CohesiveLaw, optional
+    material, law : ShellMaterial, CohesiveTable, optional
         The paper's film by default.
     **options
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``terms``, ...
@@ -92,7 +92,7 @@ def steady_work_per_radian(
     pitch: float = 12.0,
     edge_inclination_deg: float = 60.0,
     thickness: float = 0.074,
-    law: CohesiveLaw | None = None,
+    law: CohesiveTable | None = None,
 ) -> float:
     """Return n G h (r + (p/2 pi) cot eta), the cables' work per radian of steady cutting [N·mm].
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Support
@@ -136,7 +136,7 @@ def oscillating(
     ] = None,
     speed: Annotated[float, Option("mm/s", "after a ramp of 1 ms", above=0)] = 3000.0,
     material: ShellMaterial | None = None,
-    law: CohesiveLaw | None = None,
+    law: CohesiveTable | None = None,
     **options: Any,
 ) -> Case:
     """Build the oscillating cut.
@@ -146,7 +146,7 @@ def oscillating(
     mesh : Mesh, optional
         A flat strip of your own in z = 0, from x = 0 on and about y = 0, with node sets ``bottom``
         and ``top`` at its long sides; ``size``, ``width`` and ``band`` are then unused.
-    material, law : ShellMaterial, CohesiveLaw, optional
+    material, law : ShellMaterial, CohesiveTable, optional
         By default a film of 0.1 mm with modulus and density of bi-oriented polypropylene, and 3
         N/mm with 60 MPa: less strength than such a film has, so that its process zone is some
         quads long.

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from shellcut.arguments import Option, checked
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.fracture.options import Fracture
 from shellcut.loads.supports import Ramped, Support
 from shellcut.material.shell_material import ShellMaterial
@@ -78,14 +78,14 @@ def trouser(
     speed: Annotated[float, Option("mm/s", "of each end, one up and one down", above=0)] = 2500.0,
     ramp: Annotated[float, Option("s", "time over which it rises", least=0)] = 3e-4,
     material: ShellMaterial | None = None,
-    law: CohesiveLaw | None = None,
+    law: CohesiveTable | None = None,
     **options: Any,
 ) -> Case:
     """Build the trouser test.
 
     Parameters
     ----------
-    material, law : ShellMaterial, CohesiveLaw, optional
+    material, law : ShellMaterial, CohesiveTable, optional
         By default the elastic constants of the paper's film, 0.2 mm thick, and 11.5 N/mm torn over
         2.4 mm.
     **options

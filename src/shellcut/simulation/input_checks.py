@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import Fracture
 from shellcut.material.shell_material import ShellMaterial
@@ -20,7 +20,7 @@ from shellcut.tool.tool import Tool
 def check_parts(
     tool: Tool | None,
     motion: Motion | None,
-    law: CohesiveLaw | None,
+    law: CohesiveTable | None,
     contact: Contact | None,
     fracture: Fracture | None,
 ) -> None:
@@ -45,7 +45,7 @@ def check_damping(beta: float | None, share: float | None) -> None:
 def _without_partner(
     tool: Tool | None,
     motion: Motion | None,
-    law: CohesiveLaw | None,
+    law: CohesiveTable | None,
     contact: Contact | None,
     fracture: Fracture | None,
 ) -> Iterator[str]:
@@ -72,7 +72,7 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
         )
 
 
-def _not_with_edge(law: CohesiveLaw | None, tool: Tool | None) -> Iterator[str]:
+def _not_with_edge(law: CohesiveTable | None, tool: Tool | None) -> Iterator[str]:
     """Yield what does not fit the severing of cables."""
     if law is None or law.cutting_energy is None or law.severing_pressure is not None:
         return

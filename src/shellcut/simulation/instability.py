@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.kept import Kept
@@ -105,14 +105,14 @@ class StabilityGuard:
         Reference mid-surface.
     shell : MITC4Shell
         Knows the material and the strained quads.
-    law : CohesiveLaw, optional
+    law : CohesiveTable, optional
         Of the cables.
     time_step : StableStep
         Knows the safe step.
     """
 
     def __init__(
-        self, mesh: Mesh, shell: MITC4Shell, law: CohesiveLaw | None, time_step: StableStep
+        self, mesh: Mesh, shell: MITC4Shell, law: CohesiveTable | None, time_step: StableStep
     ) -> None:
         self._shell, self._law, self._time_step = shell, law, time_step
         material, areas = shell.material, mesh.quad_areas()

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, node_rows
-from shellcut.cables.cohesive_law import CohesiveLaw
+from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.cables.directional_cable import CableSet
 from shellcut.card import FILM, TOOL, Figures, card, drawing
 from shellcut.central_difference import CentralDifference
@@ -70,7 +70,7 @@ class Simulation:
         Gravity, pressures, forces.
     tool, motion : Tool and Motion, optional
         The rigid tool and how it moves; both or none.
-    law : CohesiveLaw, optional
+    law : CohesiveTable, optional
         Without one nothing splits.
     contact, fracture, stepping : Contact, Fracture, Stepping
         Parameters of contact, of the cracks and of the time step.
@@ -110,7 +110,7 @@ class Simulation:
         loads: Sequence[Load] = (),
         tool: Tool | None = None,
         motion: Motion | None = None,
-        law: CohesiveLaw | None = None,
+        law: CohesiveTable | None = None,
         contact: Contact | None = None,
         fracture: Fracture | None = None,
         stepping: Stepping | None = None,
