@@ -15,10 +15,12 @@ import numpy as np
 from shellcut.arrays import Ints
 from shellcut.loads.supports import choose_nodes
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.outline import mesh_from_outline
 from shellcut.models import Case, free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.guillotine import blade_before
 from shellcut.models.oscillating import duration_of as oscillating_time
 from shellcut.models.oscillating import film_before
+from shellcut.models.path_film import film_along_path
 from shellcut.models.preview import ModelParts
 from shellcut.models.trouser import duration_of as trouser_time
 from shellcut.simulation.simulation import Simulation
@@ -71,10 +73,56 @@ def build(model: Model) -> Case:
     return replace(case, name=model.name)
 
 
+class _Made:
+    """What is made of single sections, each once: a film may need the tool, a tool the film."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._of: dict[str, Any] = {}
+
+    def __getitem__(self, title: str) -> Any:
+        if title not in self._of:
+            with _blame(self._model, (title,)):
+                self._of[title] = self._make(title)
+        return self._of[title]
+
+    def _make(self, title: str) -> Any:
+        if title == "membrane":
+            return self._film()
+        section = self._model.sections[title]
+        if title == "tool" and section.of is STRIP_BLADE and section.length is None:
+            section = section.with_values(length=float(np.ptp(self["membrane"].nodes[:, 0])))
+        return section.made()
+
+    def _film(self) -> Mesh:
+        model, section = self._model, self._model.sections["membrane"]
+        if model.head.model == "oscillating":
+            shape = {name: section.values[name] for name in ("size", "length", "width", "band")}
+            return film_before(model.sections["tool"].diameter, **shape)
+        found = section.of.outline and section.of.outline(section)
+        if not found:
+            film: Mesh = section.made()
+            return film
+        outline, holes = found
+        if section.size_at_path is None and section.size is not None:
+            return mesh_from_outline(outline, holes=holes, size=section.size)
+        return film_along_path(
+            outline,
+            holes=holes,
+            tool=self["tool"],
+            motion=self["motion"],
+            duration=duration_of(model.sections["motion"], self["motion"]),
+            size_at_path=section.size_at_path,
+            size=section.size,
+            material=self["material"],
+            law=self["cohesive"],
+        )
+
+
 def _arguments(model: Model) -> dict[str, Any]:
     """Return the arguments of the model's builder: single values, and what sections make."""
-    with _blame(model, ("membrane",)):
-        film = film_of(model)
+    made = _Made(model)
+    film = made["membrane"]
     given: dict[str, Any] = {}
     for title, section in (("", model.head), *model.sections.items()):
         given |= {
@@ -83,9 +131,7 @@ def _arguments(model: Model) -> dict[str, Any]:
             if key.owner in _OWNERS and (value := section.values[name]) is not None
         }
         if title in _ARGUMENTS and not section.of.spread:
-            with _blame(model, (title,)):
-                one = section if title != "tool" else tool_before(model, film)
-                given[_ARGUMENTS[title]] = film if title == "membrane" else one.made()
+            given[_ARGUMENTS[title]] = made[title]
     with _blame(model, ("membrane", "clamp")):
         for name in given.get("clamp", ()):
             film.node_set(name)
@@ -101,24 +147,6 @@ def _arguments(model: Model) -> dict[str, Any]:
                     film.quad_set(one.quads)
                 given[title].append(one.made())
     return given
-
-
-def film_of(model: Model) -> Mesh:
-    """Return the film of a model."""
-    section = model.sections["membrane"]
-    if model.head.model == "oscillating":
-        shape = {name: section.values[name] for name in ("size", "length", "width", "band")}
-        return film_before(model.sections["tool"].diameter, **shape)
-    film: Mesh = section.made()
-    return film
-
-
-def tool_before(model: Model, film: Mesh | None) -> Section:
-    """Return the section of the tool; a blade without a length is as long as the strip."""
-    section: Section = model.sections["tool"]
-    if film is not None and section.of is STRIP_BLADE and section.length is None:
-        return section.with_values(length=float(np.ptp(film.nodes[:, 0])))
-    return section
 
 
 def duration_of(section: Section, motion: Any) -> float:
@@ -146,11 +174,12 @@ def _blame(model: Model, path: KeyPath) -> Iterator[None]:
 
 def parts(model: Model) -> ModelParts:
     """Return those of film, held nodes, tool and motion that can be built."""
-    mesh: Mesh | None = _try(lambda: film_of(model))
+    made = _Made(model)
+    mesh: Mesh | None = _try(lambda: made["membrane"])
     if model.head.model == "trouser":
         pull = _try(lambda: trouser_time(**_values(model, "length width", "travel speed ramp")))
         return ModelParts(mesh=mesh, held=_held(model, mesh), duration=pull)
-    tool: Tool | None = _try(lambda: tool_before(model, mesh).made())
+    tool: Tool | None = _try(lambda: made["tool"])
     moved = _try(lambda: _moved(model, mesh, tool))
     tool, motion, duration = (tool, None, None) if moved is None else moved
     held = _held(model, mesh)

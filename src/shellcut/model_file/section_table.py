@@ -8,19 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import NO_IMPRINT, Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure, steady
 from shellcut.loads.supports import Ramped, Support
-from shellcut.mesh.drawing import mesh_from_drawing
+from shellcut.mesh.drawing import read_drawing
 from shellcut.mesh.film_file import read_film
-from shellcut.mesh.outline import mesh_from_outline
-from shellcut.mesh.structured import disc, opening_disc, rectangle
+from shellcut.mesh.structured import OPENING_RADIUS, disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
+from shellcut.models.opening import OpeningMesh
 from shellcut.models.oscillating import (
     BAR_CONTACT,
     BAR_FILM,
@@ -30,6 +30,7 @@ from shellcut.models.oscillating import (
     bar_before,
     way_of,
 )
+from shellcut.models.path_film import disc_outline, film_along_path
 from shellcut.models.trouser import (
     MASS_DAMPING,
     TEAR_FRACTURE,
@@ -68,12 +69,55 @@ HEAD = Kind(
 _FREE = keys_of(free_cut, "clamp", "notch")
 _RIM = keys_of(opening_test, "clamp")
 
+# Of films by Gmsh, small along the path of the cutting edges: see ``film_of`` of build.py.
+_SIZES = keys_of(film_along_path, "size_at_path", "size")
+_HOLES = keys_of(film_along_path, "holes")
+
+
+def _structured(section: Section, names: str) -> Any:
+    """Return a structured disc, whose keys have these names; sizes are those of Gmsh."""
+    if given := [name for name in (*_SIZES, "holes") if section.values.get(name)]:
+        raise ValueError(
+            f"{given[0]} is for a film meshed along the path by Gmsh, got it with {names}, of a "
+            "structured disc: leave out one of them"
+        )
+    return section.called()
+
+
+def _opening_disc(section: Section) -> Any:
+    return None if section.mesh == "path" else _structured(section, f"mesh = {section.mesh}")
+
+
+def _opening_outline(section: Section) -> Any:
+    return (disc_outline(OPENING_RADIUS), ()) if section.mesh == "path" else None
+
+
+def _disc(section: Section) -> Any:
+    given = [name for name in ("n_side", "n_layer", "ring_radii") if section.values[name]]
+    if given and section.n_side is None:
+        raise ValueError(f"n_side must be given with {given[0]}; without both, Gmsh meshes the disc")
+    return _structured(section, "n_side") if given else None
+
+
+def _disc_outline(section: Section) -> Any:
+    return (disc_outline(section.radius), section.holes) if section.n_side is None else None
+
+
+def _drawn(section: Section) -> Any:
+    found = section.called()
+    return found.outline, found.holes
+
+
+_OPENING_MESH = keys_of(opening_disc, renamed={"name": "mesh"}, defaults={"mesh": "M1"})["mesh"]
 OPENING_DISC = Kind(
-    "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre.",
-    keys_of(opening_disc, renamed={"name": "mesh"}, defaults={"mesh": "M1"}),
+    "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre; path: by "
+    "Gmsh, with rim.",
+    {"mesh": replace(_OPENING_MESH, form=choice(*get_args(OpeningMesh))), **_SIZES},
     opening_disc,
     name="opening",
     sign="mesh",
+    make=_opening_disc,
+    outline=_opening_outline,
 )
 STRIP = Kind(
     "A strip from x = 0 with its long sides clamped.",
@@ -91,11 +135,19 @@ RECTANGLE = Kind(
     sign="length",
 )
 DISC = Kind(
-    "A disc about the origin, with node sets rim and centre and one per ring.",
-    keys_of(disc) | _FREE,
+    "A disc about the origin, with the node set rim. By Gmsh, or with n_side structured, with "
+    "centre and one set per ring.",
+    {
+        **keys_of(disc),
+        "n_side": optional(keys_of(disc)["n_side"], "meshed by Gmsh"),
+        **_SIZES,
+        **_HOLES,
+    },
     disc,
     name="disc",
     sign="radius",
+    make=_disc,
+    outline=_disc_outline,
 )
 FILM_FILE = Kind(
     "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, except in free models.",
@@ -106,20 +158,22 @@ FILM_FILE = Kind(
     deferred=True,
 )
 OUTLINE = Kind(
-    "A mesh of a polygon with holes, made by Gmsh; node sets outline, hole_1, ...",
-    keys_of(mesh_from_outline),
-    mesh_from_outline,
+    "A mesh of a polygon with holes, made by Gmsh; node sets outline, rim (the same), hole_1, ...",
+    keys_of(film_along_path, "outline", "size", "size_at_path", "holes"),
+    film_along_path,
     name="outline",
     sign="outline",
     deferred=True,
+    outline=lambda section: (section.outline, section.holes),
 )
 DRAWING = Kind(
-    "A mesh of the outline in a DXF drawing, by Gmsh; node sets outline, hole_1, ...",
-    keys_of(mesh_from_drawing, renamed={"path": "drawing"}),
-    mesh_from_drawing,
+    "A mesh of the outline in a DXF drawing, by Gmsh; node sets outline, rim, hole_1, ...",
+    keys_of(read_drawing, renamed={"path": "drawing"}) | _SIZES,
+    read_drawing,
     name="drawing",
     sign="drawing",
     deferred=True,
+    outline=_drawn,
 )
 
 # --- [tool] --------------------------------------------------------------------------------------
@@ -322,6 +376,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
     "opening": _layout(
         (
             OPENING_DISC,
+            DISC.with_keys(_RIM),
             FILM_FILE.with_keys(_RIM),
             OUTLINE.with_keys(_RIM, clamp=("outline",)),
             DRAWING.with_keys(_RIM, clamp=("outline",)),
@@ -343,7 +398,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (
             OPENING_DISC.with_keys(_FREE),
             RECTANGLE,
-            DISC,
+            DISC.with_keys(_FREE),
             FILM_FILE.with_keys(_FREE),
             OUTLINE.with_keys(_FREE),
             DRAWING.with_keys(_FREE),

@@ -8,25 +8,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.mesh.structured import OpeningName, opening_disc
+from shellcut.mesh.structured import OPENING_RADIUS, opening_disc
 from shellcut.tool.motion import Pitch, ScrewMotion
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp
 from .free_cut import free_cut
+from .path_film import film_along_path
+
+OpeningMesh = Literal["quick", "M1", "M2", "path"]
 
 
 @checked
 def opening_test(
-    mesh: Annotated[OpeningName | Mesh, Option("", "612, 2660 or 8625 quads")] = "M1",
+    mesh: Annotated[
+        OpeningMesh | Mesh, Option("", "612, 2660 or 8625 quads; path: small along the path only")
+    ] = "M1",
     *,
     tool: Tool | None = None,
     pitch: Pitch = 12.0,
@@ -41,6 +46,8 @@ def opening_test(
 
     Parameters
     ----------
+    mesh : str or Mesh
+        "path" is the disc by Gmsh, fine along the path only (:func:`film_along_path`).
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     material, law : ShellMaterial, CohesiveLaw, optional
@@ -62,9 +69,22 @@ def opening_test(
     >>> case.simulation.mesh.n_quad
     612
     """
-    film = opening_disc(mesh) if isinstance(mesh, str) else mesh
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
+    film: Mesh
+    if isinstance(mesh, Mesh):
+        film = mesh
+    elif mesh == "path":
+        film = film_along_path(
+            OPENING_RADIUS,
+            tool=cutter,
+            motion=motion,
+            duration=duration,
+            material=material,
+            law=law,
+        )
+    else:
+        film = opening_disc(mesh)
     contact = options.pop("contact", None) or Contact()
     if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
         contact = replace(contact, film_edges=True)
