@@ -30,7 +30,7 @@ from shellcut.tool.tool import Tool
 from .errors import ModelFileError, Problem, is_refusal
 from .key import Section
 from .model import Model
-from .section_table import STRIP_BLADE
+from .section_table import STRIP_BLADE, along_path, by_gmsh
 from .source import KeyPath
 
 BUILDERS: dict[str, Callable[..., Case]] = {
@@ -99,12 +99,11 @@ class _Made:
         if model.head.model == "oscillating":
             shape = {name: section.values[name] for name in ("size", "length", "width", "band")}
             return film_before(model.sections["tool"].diameter, **shape)
-        found = section.of.outline and section.of.outline(section)
-        if not found:
+        if section.of.outline is None or not by_gmsh(section):
             film: Mesh = section.made()
             return film
-        outline, holes = found
-        if section.size_at_path is None and section.size is not None:
+        outline, holes = section.of.outline(section)
+        if not along_path(section):
             return mesh_from_outline(outline, holes=holes, size=section.size)
         return film_along_path(
             outline,

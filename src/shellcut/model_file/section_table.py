@@ -69,38 +69,39 @@ HEAD = Kind(
 _FREE = keys_of(free_cut, "clamp", "notch")
 _RIM = keys_of(opening_test, "clamp")
 
-# Of films by Gmsh, small along the path of the cutting edges: see ``film_of`` of build.py.
 _SIZES = keys_of(film_along_path, "size_at_path", "size")
 _HOLES = keys_of(film_along_path, "holes")
 
 
-def _structured(section: Section, names: str) -> Any:
-    """Return a structured disc, whose keys have these names; sizes are those of Gmsh."""
-    if given := [name for name in (*_SIZES, "holes") if section.values.get(name)]:
-        raise ValueError(
-            f"{given[0]} is for a film meshed along the path by Gmsh, got it with {names}, of a "
-            "structured disc: leave out one of them"
-        )
-    return section.called()
+def by_gmsh(film: Section) -> bool:
+    """Whether Gmsh meshes a film, from its outline."""
+    given = film.values
+    return (
+        film.of.outline is not None
+        and given.get("mesh", "path") == "path"
+        and given.get("n_side") is None
+    )
 
 
-def _opening_disc(section: Section) -> Any:
-    return None if section.mesh == "path" else _structured(section, f"mesh = {section.mesh}")
-
-
-def _opening_outline(section: Section) -> Any:
-    return (disc_outline(OPENING_RADIUS), ()) if section.mesh == "path" else None
+def along_path(film: Section) -> bool:
+    """Whether Gmsh meshes a film with quads that are small along the path of the cutting edges."""
+    return by_gmsh(film) and (film.size_at_path is not None or film.size is None)
 
 
 def _disc(section: Section) -> Any:
-    given = [name for name in ("n_side", "n_layer", "ring_radii") if section.values[name]]
-    if given and section.n_side is None:
-        raise ValueError(f"n_side must be given with {given[0]}; without both, Gmsh meshes the disc")
-    return _structured(section, "n_side") if given else None
-
-
-def _disc_outline(section: Section) -> Any:
-    return (disc_outline(section.radius), section.holes) if section.n_side is None else None
+    """Return a structured disc; None of one that Gmsh meshes, for which sizes and holes are."""
+    for name in ("n_layer", "ring_radii"):
+        if section.values.get(name) and section.n_side is None:
+            raise ValueError(f"{name} needs n_side; without both Gmsh meshes the disc")
+    if by_gmsh(section):
+        return None
+    if given := [name for name in (*_SIZES, *_HOLES) if section.values.get(name)]:
+        own = "n_side" if "n_side" in section.values else f"mesh = {section.mesh}"
+        raise ValueError(
+            f"{given[0]} is of a disc meshed by Gmsh, got it with {own}, of a structured one: "
+            "leave out one of them"
+        )
+    return section.called()
 
 
 def _drawn(section: Section) -> Any:
@@ -116,8 +117,8 @@ OPENING_DISC = Kind(
     opening_disc,
     name="opening",
     sign="mesh",
-    make=_opening_disc,
-    outline=_opening_outline,
+    make=_disc,
+    outline=lambda section: (disc_outline(OPENING_RADIUS), ()),
 )
 STRIP = Kind(
     "A strip from x = 0 with its long sides clamped.",
@@ -147,7 +148,7 @@ DISC = Kind(
     name="disc",
     sign="radius",
     make=_disc,
-    outline=_disc_outline,
+    outline=lambda section: (disc_outline(section.radius), section.holes),
 )
 FILM_FILE = Kind(
     "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0, except in free models.",
@@ -489,3 +490,10 @@ GONE: Mapping[tuple[str, str], str] = {
     },
 }
 """Keys and values of earlier versions, by section, and what to write instead."""
+
+OF_OUTLINES: Mapping[tuple[str, str], str] = {
+    ("file", name): "is for films that Gmsh meshes from an outline; a film from a file is as fine "
+    "as it is: leave it out, or set refine, which divides each quad in four"
+    for name in ("size_at_path", "size", "holes")
+}
+"""Keys of other kinds of films, by kind and key, and why they do not belong to it."""
