@@ -273,4 +273,3 @@ class TestDivided:
         path = written(tmp_path, {"quad": sheet.quads}, sheet.nodes)
         with pytest.raises(MeshError, match="lower refine, or mesh coarser"):
             read_film(path, unit="mm", refine=6)
-

@@ -9,8 +9,8 @@ With small quads near given points, the size s of the quads rises with the dista
 
     s = s_near + growth (d - s_near),   from s_near to the size far away,
 
-and the boundary is divided evenly in the measure ds = dl / s. Near a small loop s is low enough for
-some sides around it.
+and the boundary is divided evenly in the measure dl / s. Near a small loop s is low enough for some
+sides around it, but not below s_near.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ _MOST_EDGES = 50_000
 """Limit along outline and holes."""
 
 _GROWTH = 0.25
-"""By which sides grow per length away from where they are small: least scaled Jacobians of 0.52 and
-more, side ratios of 3.1 at most."""
+"""By which sides grow per length away from where they are small: the least scaled Jacobian of 60
+random films is then 0.476."""
 
 _AROUND = 16
 """Sides around a loop, at least, where the size may vary."""

@@ -309,9 +309,9 @@ class _Reading:
             if kind is not cls and name in kind.names():
                 chosen = f'kind = "{cls.name}"' if cls.name else "this one"
                 theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
-                text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
-                if (cls.name, name) in OF_OUTLINES:
-                    text = f"{name} {OF_OUTLINES[cls.name, name]}"
+                text = OF_OUTLINES.get((cls.name, name), "")
+                if not text:
+                    text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
                 if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
                     other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
                     fits = set(kind.names()) - {"kind"}

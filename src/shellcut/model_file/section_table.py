@@ -492,8 +492,8 @@ GONE: Mapping[tuple[str, str], str] = {
 """Keys and values of earlier versions, by section, and what to write instead."""
 
 OF_OUTLINES: Mapping[tuple[str, str], str] = {
-    ("file", name): "is for films that Gmsh meshes from an outline; a film from a file is as fine "
-    "as it is: leave it out, or set refine, which divides each quad in four"
+    ("file", name): f"[membrane].{name} is for films that Gmsh meshes from an outline; a film from "
+    "a file is as fine as it is: leave it out, or set refine, which divides each quad in four"
     for name in ("size_at_path", "size", "holes")
 }
 """Keys of other kinds of films, by kind and key, and why they do not belong to it."""

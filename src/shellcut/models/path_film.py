@@ -53,9 +53,7 @@ def film_along_path(
     ] = None,
     size: Annotated[
         float | None,
-        Option(
-            "mm", "edge length far from the path, about", above=0, unset="8 times size_at_path"
-        ),
+        Option("mm", "edge length far from the path, about", above=0, unset="8 times size_at_path"),
     ] = None,
     holes: Annotated[
         Sequence[npt.ArrayLike], Option("mm", "polygons inside", form="polygons")
@@ -145,7 +143,7 @@ def _path(
     """Return points of the path within an outline, shape (n, 2) [mm]."""
     low, extent = outline.min(axis=0), np.ptp(outline, axis=0)
     sheet = rectangle(*extent.tolist(), size=max(size, float(extent.max()) / _SEARCHED))
-    corner = np.append(low + [0.0, 0.5 * extent[1]], 0.0)
+    corner = np.array([low[0], low[1] + 0.5 * extent[1], 0.0])
     around = Mesh.from_arrays(sheet.nodes + corner, sheet.quads)
     found = [np.zeros((0, 2))]
     for one in tools:

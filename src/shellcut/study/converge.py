@@ -175,14 +175,14 @@ def _meshes(model: Model, finer: float) -> dict[Run, Settings]:
     film, sizes = model.sections["membrane"], _sizes(model)
     if film.kind == "file":
         return {Run("finer mesh", MESH, 0.5): {"membrane.refine": film.refine + 1}}
-    if film.kind == "opening" and not sizes:
+    if film.kind == "opening" and film.mesh in _AROUND:
         n = _AROUND[film.mesh]
         near = sorted(_AROUND, key=lambda name: abs(_AROUND[name] - n))[1:]
         names = near if film.mesh != "quick" else near[:1]
         return {Run(f"mesh {m}", MESH, n / _AROUND[m]): {"membrane.mesh": m} for m in names}
-    if not sizes and _rows(model) is None and film.values.get("size") is None:
-        if film.values.get("n_side") is None:
-            raise ValueError("left out, because the mesher chose the size; give membrane.size")
+    counted = _rows(model) is not None or film.values.get("n_side") is not None
+    if not sizes and not counted and film.values.get("size") is None:
+        raise ValueError("left out, because the mesher chose the size; give membrane.size")
     found = {"coarser mesh": _mesh(model, 1.0 / _RATIO), "finer mesh": _mesh(model, finer)}
     return {Run(name, MESH, h): keys for name, (h, keys) in found.items() if h != 1.0}
 
