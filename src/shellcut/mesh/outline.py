@@ -7,7 +7,7 @@ smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.
 
 With small quads near given points, the size s of the quads rises with the distance d from these,
 
-    s = s_near + growth (d - s_near),   from s_near to the size far away,
+    s = s_near + growth (d - band),   from s_near to the size far away,
 
 and the boundary is divided evenly in the measure dl / s. Near a small loop s is low enough for some
 sides around it, but not below s_near.
@@ -74,6 +74,10 @@ def mesh_from_outline(
     size_near: Annotated[
         float | None, Option("mm", "edge length of the quads there", above=0, unset="size")
     ] = None,
+    band: Annotated[
+        float | None,
+        Option("mm", "distance from them up to which quads stay small", least=0, unset="size_near"),
+    ] = None,
 ) -> Mesh:
     """Return a plane mesh of quads within a polygon, with Gmsh.
 
@@ -101,15 +105,15 @@ def mesh_from_outline(
         polygon(vertices, name) for vertices, name in zip((outline, *holes), names, strict=True)
     ]
     _check_apart(polygons, names)
-    field = _Field.of(polygons, size, near, size_near)
+    field = _Field.of(polygons, size, near, size_near, band)
     _check_count(polygons, size, field)
     loops = [_divided(polygon, size, field) for polygon in polygons]
     _check_apart(loops, names)  # the division may have bridged parts narrower than an edge
     with tempfile.TemporaryDirectory() as folder:
         given = Path(folder) / "loops.npz"
         arrays: dict[str, Any] = {f"loop_{k}": loop for k, loop in enumerate(loops)}
-        for k, (points, least) in enumerate(field.near):
-            arrays |= {f"near_{k}": points, f"size_{k}": least}
+        for k, (points, least, band_k) in enumerate(field.near):
+            arrays |= {f"near_{k}": points, f"size_{k}": least, f"band_{k}": band_k}
         np.savez(given, size=size, growth=_GROWTH, **arrays)
         try:
             found = _GMSH.answer(given)
@@ -127,15 +131,20 @@ def mesh_from_outline(
 class _Field:
     # sizes of quads that rise with the distance from points
 
-    def __init__(self, size: float, near: list[tuple[Floats, float]]) -> None:
+    def __init__(self, size: float, near: list[tuple[Floats, float, float]]) -> None:
         self._size = size
         self.near = near
-        """Points and the size there; none if the size is the same everywhere."""
-        self._trees = [(scipy.spatial.cKDTree(points), least) for points, least in near]
+        """Points, the size there, and how far it holds; none if it is the same everywhere."""
+        self._trees = [scipy.spatial.cKDTree(points) for points, _, _ in near]
 
     @classmethod
     def of(
-        cls, polygons: list[Floats], size: float, near: npt.ArrayLike | None, least: float | None
+        cls,
+        polygons: list[Floats],
+        size: float,
+        near: npt.ArrayLike | None,
+        least: float | None,
+        band: float | None,
     ) -> _Field:
         if (near is None) != (least is None):
             raise MeshError("near and size_near belong together, got one of them; give both")
@@ -151,19 +160,19 @@ class _Field:
                 f"size_near must be at most size, {size:g} mm, got {least:g} mm: enlarge size"
             )
         _, first = np.unique(np.round(2.0 * points / least), axis=0, return_index=True)
-        found = [(points[first], least)]
+        found = [(points[first], least, least if band is None else band)]
         for polygon in polygons:
             around = _length(polygon)
             if around < _AROUND * size:
                 side = max(around / _AROUND, least)
-                found.append((_filled(polygon, side), side))
+                found.append((_filled(polygon, side), side, side))
         return cls(size, found)
 
     def at(self, points: Floats) -> Floats:
         """Return the size of the quads at points, shape (n,) [mm]."""
         found = np.full(len(points), self._size)
-        for tree, least in self._trees:
-            rise = _GROWTH * np.maximum(tree.query(points)[0] - least, 0.0)
+        for tree, (_, least, band) in zip(self._trees, self.near, strict=True):
+            rise = _GROWTH * np.maximum(tree.query(points)[0] - band, 0.0)
             found = np.minimum(found, least + rise)
         return found
 
@@ -185,9 +194,9 @@ def _check_count(polygons: list[Floats], size: float, field: _Field) -> None:
     # check the number of quads by area, and of edges along the outlines, which are passed to Gmsh
     area = area_of(polygons[0]) - sum(area_of(hole) for hole in polygons[1:])
     check_film_size(area / size / size, "enlarge size, or shrink the outline")
-    for points, least in field.near:
+    for points, least, _ in field.near:
         check_film_size(float(len(points)), f"enlarge the size near them, {least:g} mm")
-    least = min([size, *(one for _, one in field.near)])
+    least = min([size, *(one for _, one, _ in field.near)])
     around = sum(map(_length, polygons))
     if not around / least <= _MOST_EDGES:
         raise MeshError(
@@ -225,7 +234,7 @@ def _check_apart(loops: list[Floats], names: list[str]) -> None:
 def _divided(points: Floats, size: float, field: _Field) -> Floats:
     # nodes along the polygon: all corners, between them evenly spaced, by arc length in sizes
     if field.near:
-        points = _filled(points, 0.5 * min(least for _, least in field.near))
+        points = _filled(points, 0.5 * min(least for _, least, _ in field.near))
     sides = np.roll(points, -1, axis=0) - points
     length = np.hypot(*sides.T)
     before = np.roll(sides, 1, axis=0)

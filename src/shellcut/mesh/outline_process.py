@@ -1,8 +1,8 @@
 """Mesh an outline with Gmsh, in a process of its own: ``outline_process.py LOOPS OUT``.
 
 :mod:`shellcut.mesh.outline` starts the process, gives the loops of nodes, ``loop_0``, ``loop_1``
-..., the ``size``, and points ``near_0``, ... about which it is ``size_0``, ... and rises by
-``growth``. It reads the answer: ``nodes``, shape (n, 2), ``quads``, ``n_triangle`` that are left,
+..., the ``size``, and points ``near_0``, ... about which it is ``size_0``, ... up to the distance
+``band_0``, ... and rises by ``growth`` from there. It reads the answer: ``nodes``, shape (n, 2), ``quads``, ``n_triangle`` that are left,
 and the nodes of each loop, ``rim_0``, ... This file imports nothing of shellcut, so that it starts
 at once.
 """
@@ -88,15 +88,15 @@ def _meshed(gmsh: Any, loops: list[Any], held: dict[str, Any], algorithm: int) -
 def _set_field(gmsh: Any, held: dict[str, Any], size: float) -> None:
     field, growth, rises = gmsh.model.mesh.field, float(held["growth"]), []
     for k in range(sum(name.startswith("near_") for name in held)):
-        least = float(held[f"size_{k}"])
+        least, band = float(held[f"size_{k}"]), float(held[f"band_{k}"])
         points = [gmsh.model.geo.addPoint(x, y, 0.0) for x, y in held[f"near_{k}"].tolist()]
         distance, rise = field.add("Distance"), field.add("Threshold")
         field.setNumbers(distance, "PointsList", points)
         field.setNumber(rise, "InField", distance)
         field.setNumber(rise, "SizeMin", least)
         field.setNumber(rise, "SizeMax", size)
-        field.setNumber(rise, "DistMin", least)
-        field.setNumber(rise, "DistMax", least + (size - least) / growth)
+        field.setNumber(rise, "DistMin", band)
+        field.setNumber(rise, "DistMax", band + (size - least) / growth)
         rises.append(rise)
     gmsh.model.geo.synchronize()
     smallest = field.add("Min")

@@ -29,6 +29,10 @@ AHEAD = 2.0
 FAR = 8.0
 """Sides far from the path over those under it, if nothing else is said."""
 
+BAND = 2.0
+"""Distance from the path up to which quads are as small as there, in bending lengths: the film
+folds within it."""
+
 _ROUND = 1024  # sides of the polygon of a disc: 5e-6 of the radius off the circle
 _SEARCHED = 100  # quads along the film in which the path is looked for, at most
 
@@ -111,7 +115,8 @@ def film_along_path(
             f"size must be size_at_path or more, {near:.4g} mm, got {far:.4g} mm: enlarge size, or "
             "lower size_at_path"
         )
-    return mesh_from_outline(around, holes=inner, size=far, near=points, size_near=near)
+    band = max(near, BAND * bending_length(film, cables))
+    return mesh_from_outline(around, holes=inner, size=far, near=points, size_near=near, band=band)
 
 
 def disc_outline(radius: float) -> Floats:
