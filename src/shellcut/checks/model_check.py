@@ -122,7 +122,8 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     along_edges = sim.fracture.path == "edges"
     if law is not None and not untouched:
         yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture)
-        if sim.contact is not None and len(sweep.place) and sim.contact.film_edges:
+        touching = sim.contact is not None and sim.contact.film_edges is not None
+        if sim.cracks is not None and touching and len(sweep.place):
             yield from check_sides(sweep, sim.cracks.bending_length, law)
         if sim.fracture.blade_cut and sim.fracture.puncture_force is None:
             yield from check_piercing(sim, law, sweep)

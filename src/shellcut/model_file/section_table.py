@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, get_args
+from typing import Any
 
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.contact.settings import Contact
@@ -17,10 +17,10 @@ from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment,
 from shellcut.loads.supports import Ramped, Support
 from shellcut.mesh.drawing import read_drawing
 from shellcut.mesh.film_file import read_film
+from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.structured import OPENING_RADIUS, disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
-from shellcut.models.opening import OpeningMesh
 from shellcut.models.oscillating import (
     BAR_CONTACT,
     BAR_FILM,
@@ -70,7 +70,6 @@ _FREE = keys_of(free_cut, "clamp", "notch")
 _RIM = keys_of(opening_test, "clamp")
 
 _SIZES = keys_of(film_along_path, "size_at_path", "size")
-_HOLES = keys_of(film_along_path, "holes")
 
 
 def by_gmsh(film: Section) -> bool:
@@ -95,7 +94,7 @@ def _disc(section: Section) -> Any:
             raise ValueError(f"{name} needs n_side; without both Gmsh meshes the disc")
     if by_gmsh(section):
         return None
-    if given := [name for name in (*_SIZES, *_HOLES) if section.values.get(name)]:
+    if given := [name for name in (*_SIZES, "holes") if section.values.get(name)]:
         own = "n_side" if "n_side" in section.values else f"mesh = {section.mesh}"
         raise ValueError(
             f"{given[0]} is of a disc meshed by Gmsh, got it with {own}, of a structured one: "
@@ -109,11 +108,13 @@ def _drawn(section: Section) -> Any:
     return found.outline, found.holes
 
 
-_OPENING_MESH = keys_of(opening_disc, renamed={"name": "mesh"}, defaults={"mesh": "M1"})["mesh"]
 OPENING_DISC = Kind(
     "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre; path: by "
     "Gmsh, with rim.",
-    {"mesh": replace(_OPENING_MESH, form=choice(*get_args(OpeningMesh))), **_SIZES},
+    {
+        "mesh": replace(keys_of(opening_test)["mesh"], owner=opening_disc, parameter="name"),
+        **_SIZES,
+    },
     opening_disc,
     name="opening",
     sign="mesh",
@@ -142,7 +143,7 @@ DISC = Kind(
         **keys_of(disc),
         "n_side": optional(keys_of(disc)["n_side"], "meshed by Gmsh"),
         **_SIZES,
-        **_HOLES,
+        **keys_of(mesh_from_outline, "holes"),
     },
     disc,
     name="disc",
@@ -160,8 +161,8 @@ FILM_FILE = Kind(
 )
 OUTLINE = Kind(
     "A mesh of a polygon with holes, made by Gmsh; node sets outline, rim (the same), hole_1, ...",
-    keys_of(film_along_path, "outline", "size", "size_at_path", "holes"),
-    film_along_path,
+    keys_of(mesh_from_outline, "outline", "holes") | _SIZES,
+    mesh_from_outline,
     name="outline",
     sign="outline",
     deferred=True,

@@ -30,7 +30,8 @@ OpeningMesh = Literal["quick", "M1", "M2", "path"]
 @checked
 def opening_test(
     mesh: Annotated[
-        OpeningMesh | Mesh, Option("", "612, 2660 or 8625 quads; path: small along the path only")
+        OpeningMesh | Mesh,
+        Option("", "612, 2660 or 8625 quads; path: by Gmsh, small along the path"),
     ] = "M1",
     *,
     tool: Tool | None = None,
@@ -47,7 +48,7 @@ def opening_test(
     Parameters
     ----------
     mesh : str or Mesh
-        "path" is the disc by Gmsh, fine along the path only (:func:`film_along_path`).
+        For other sizes along the path see :func:`film_along_path`.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     material, law : ShellMaterial, CohesiveLaw, optional

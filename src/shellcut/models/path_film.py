@@ -29,9 +29,9 @@ AHEAD = 2.0
 FAR = 8.0
 """Sides far from the path over those under it, if nothing else is said."""
 
-BAND = 2.0
-"""Distance from the path up to which quads are as small as there, in bending lengths: the film
-folds within it."""
+BAND, MOST_ROWS = 2.0, 5.0
+"""Distance from the path up to which quads are as small as there, since the film folds within it:
+in bending lengths, and at most in sides."""
 
 _ROUND = 1024  # sides of the polygon of a disc: 5e-6 of the radius off the circle
 _SEARCHED = 100  # quads along the film in which the path is looked for, at most
@@ -57,7 +57,12 @@ def film_along_path(
     ] = None,
     size: Annotated[
         float | None,
-        Option("mm", "edge length far from the path, about", above=0, unset="8 times size_at_path"),
+        Option(
+            "mm",
+            "edge length far from it; alone, of all quads",
+            above=0,
+            unset="8 times size_at_path",
+        ),
     ] = None,
     holes: Annotated[
         Sequence[npt.ArrayLike], Option("mm", "polygons inside", form="polygons")
@@ -115,7 +120,7 @@ def film_along_path(
             f"size must be size_at_path or more, {near:.4g} mm, got {far:.4g} mm: enlarge size, or "
             "lower size_at_path"
         )
-    band = max(near, BAND * bending_length(film, cables))
+    band = float(np.clip(BAND * bending_length(film, cables), near, MOST_ROWS * near))
     return mesh_from_outline(around, holes=inner, size=far, near=points, size_near=near, band=band)
 
 
@@ -157,11 +162,12 @@ def _path(
             found.append(sweep.way(AHEAD)[:, :2])
     points = np.concatenate(found)
     shapely = shapely_or_error()
-    points = points[shapely.contains_xy(shapely.Polygon(outline, holes), *points.T)]
-    if not len(points):
+    film = shapely.Polygon(outline, holes)
+    inside: Floats = points[shapely.contains_xy(film, *points.T)]
+    if not len(inside):
         raise MeshError(
             "quads are small along the path of the cutting edges, but no cutting edge passes "
             "through the film during the motion: check place, unit and motion of the tool, or "
             "give size alone"
         )
-    return points
+    return inside
