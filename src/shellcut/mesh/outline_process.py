@@ -3,8 +3,8 @@
 :mod:`shellcut.mesh.outline` starts the process, gives the loops of nodes, ``loop_0``, ``loop_1``
 ..., the ``size``, and points ``near_0``, ... about which it is ``size_0``, ... up to the distance
 ``band_0``, ... and rises by ``growth`` from there. It reads the answer: ``nodes``, shape (n, 2),
-``quads``, ``n_triangle`` that are left, and the nodes of each loop, ``rim_0``, ... This file imports
-nothing of shellcut, so that it starts at once.
+``quads``, ``n_triangle`` that are left, and the nodes of each loop, ``rim_0``, ... This file
+imports nothing of shellcut, so that it starts at once.
 """
 
 from __future__ import annotations
