@@ -74,7 +74,11 @@ def build(model: Model) -> Case:
 
 
 class _Made:
-    """What is made of single sections, each once: a film may need the tool, a tool the film."""
+    """What is made of single sections, each once.
+
+    A film may need the tool, and makes it; a blade without a length is as long as the strip, which
+    is made before.
+    """
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -90,7 +94,7 @@ class _Made:
         if title == "membrane":
             return self._film()
         section = self._model.sections[title]
-        if title == "tool" and section.of is STRIP_BLADE and section.length is None:
+        if section.of is STRIP_BLADE and section.length is None and "membrane" in self._of:
             section = section.with_values(length=float(np.ptp(self["membrane"].nodes[:, 0])))
         return section.made()
 
@@ -112,7 +116,7 @@ class _Made:
             motion=self["motion"],
             duration=duration_of(model.sections["motion"], self["motion"]),
             size_at_path=section.size_at_path,
-            size=section.size,
+            size=section.values.get("size"),
             material=self["material"],
             law=self["cohesive"],
         )

@@ -84,7 +84,7 @@ def by_gmsh(film: Section) -> bool:
 
 def along_path(film: Section) -> bool:
     """Whether Gmsh meshes a film with quads that are small along the path of the cutting edges."""
-    return by_gmsh(film) and (film.size_at_path is not None or film.size is None)
+    return by_gmsh(film) and (film.size_at_path is not None or film.values.get("size") is None)
 
 
 def _disc(section: Section) -> Any:
@@ -113,7 +113,7 @@ OPENING_DISC = Kind(
     "Gmsh, with rim.",
     {
         "mesh": replace(keys_of(opening_test)["mesh"], owner=opening_disc, parameter="name"),
-        **_SIZES,
+        "size_at_path": _SIZES["size_at_path"],
     },
     opening_disc,
     name="opening",

@@ -226,7 +226,8 @@ def _sizes(model: Model) -> dict[str, float]:
     if near is None:
         near = path_size(model.sections["material"].made(), model.sections["cohesive"].made())
     found = {"membrane.size_at_path": near}
-    return found if film.size is None else {**found, "membrane.size": film.size}
+    size = film.values.get("size")
+    return found if size is None else {**found, "membrane.size": size}
 
 
 def _rows(model: Model, size: Any = None) -> Any:
