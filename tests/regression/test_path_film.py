@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from page_tables import row, shown_as
+from page_tables import numbers_of, row
 from runs import run
 from shellcut import Fracture, ScrewMotion, film_along_path, opening_test
 from shellcut.models.opening import steady_work_per_radian
@@ -43,17 +43,29 @@ def test_small_quads_along_the_path_do_what_fine_discs_do(tmp_path):
     pytest.importorskip("gmsh", exc_type=ImportError)
     opening("quick", tmp_path / "first")  # loads the kernels, which is not the meshes' time
     found = {film: opening(film, tmp_path) for film in ("M1", "M2", 0.4, 0.2)}
-    for name, n_quad, torque, cables, entry, _ in found.values():
-        _, *shown = row(PAGE, f"{name} |")
-        assert shown_as(shown[0], n_quad), name
-        assert shown_as(shown[1], torque), name
-        assert shown_as(shown[2], cables), name
-        assert shown_as(shown[3], entry), name
+    for name, *computed, _ in found.values():
+        shown = [float(numbers_of(cell)[0]) for cell in row(PAGE, f"{name} |")[1:]]
+        # The rows of the history, of which the means are, are not those of the page's runs.
+        bounds = (0.03 * shown[0], 0.1, 0.002, 0.01)
+        for value, told, bound in zip(computed, shown, bounds, strict=True):
+            assert value == pytest.approx(told, abs=bound), name
     _, coarse, torque, _, _, spent = found[0.4]
     assert coarse <= 900
-    assert torque == pytest.approx(found["M2"][2], rel=0.01)  # measured 0.8 %
+    assert torque == pytest.approx(found["M2"][2], rel=0.01)  # measured 0.6 %
     assert spent <= 1.1 * found["M1"][5]
     _, _, torque, _, entry, spent = found[0.2]
     assert torque == pytest.approx(found["M2"][2], rel=0.01)
     assert entry == pytest.approx(1.02, rel=0.12)  # of a series down to 0.07 mm
     assert spent <= 0.8 * found["M2"][5]
+
+
+@pytest.mark.slow
+def test_cables_take_what_theory_says_once_the_overshoot_is_over(tmp_path):
+    pytest.importorskip("gmsh", exc_type=ImportError)
+    free = {"fracture": Fracture(path="free")}
+    case = opening_test("path", angle_deg=70.0, duration=6e-3 * 70.0 / 95.0, **free)
+    _, history = run(case, tmp_path)
+    for low, high in ((30.0, 45.0), (40.0, 60.0)):
+        work = np.interp([low, high], history["angle"], history["cohesive_work"])
+        rate = np.diff(work)[0] / np.radians(high - low)
+        assert rate == pytest.approx(steady_work_per_radian(), rel=0.005)  # measured 0.001
