@@ -42,6 +42,7 @@ with Importing():
     from .mitc4.mesh_quality import mesh_quality
     from .model_file import ModelFileError, preset_film, read_model
     from .models import guillotine, opening_test, oscillating, trouser
+    from .models.path_film import film_along_path
     from .models.preview import preview
     from .models.warmup import warmup
     from .recording.checkpoint import load_checkpoint, save_checkpoint
@@ -129,6 +130,7 @@ __all__ = [
     "compare",
     "converge",
     "evaluate_tensile",
+    "film_along_path",
     "fit",
     "guillotine",
     "load_checkpoint",

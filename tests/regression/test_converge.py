@@ -62,3 +62,32 @@ def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
     assert {bar.figure for bar in again.bars} > {"force_peak_N", "crack_length_mm"}
     assert main(["converge", str(run), "--jobs=1", "--figures=n_bolt"]) == 2
     assert "there is no figure" in capsys.readouterr().err
+
+
+def test_a_film_from_gmsh_gets_its_error_bars(tmp_path):
+    gmsh = pytest.importorskip("gmsh", exc_type=ImportError)
+    path = tmp_path / "strip.msh"
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        shape = gmsh.model.occ
+        shape.addRectangle(0.0, -2.0, 0.0, 6.0, 4.0)
+        shape.synchronize()
+        sides = dict(zip(("bottom", "right", "top", "left"), (1, 2, 3, 4), strict=True))
+        for name, tag in sides.items():
+            gmsh.model.addPhysicalGroup(1, [tag], name=name)
+        gmsh.model.addPhysicalGroup(2, [1], name="film")
+        for name, value in {"RecombineAll": 1, "MeshSizeMin": 1.0, "MeshSizeMax": 1.0}.items():
+            gmsh.option.setNumber(f"Mesh.{name}", value)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(path))
+    finally:
+        gmsh.finalize()
+    film = {"membrane.file": str(path), "membrane.unit": "mm", "membrane.triangles": "split"}
+    rest = {k: v for k, v in SETTINGS.items() if "membrane." not in k} | {"fracture.path": "free"}
+    given = {**rest, **film, "membrane.clamp": ["bottom", "top"]}
+    found = sc.converge("guillotine", tmp_path / "bars", figures=["force_peak_N"], settings=given)
+    (bar,) = found.bars
+    assert {run.name: run.size for run in found.runs}["finer mesh"] == 0.5
+    assert set(bar.parts) == {"mesh", "speed", "chance"}
+    assert 0.0 < bar.half_width < bar.value

@@ -278,7 +278,7 @@ class TestMesh:
     def test_quads_within_the_outline(self, tmp_path):
         path = saved(tmp_path / "plate.dxf", plate())
         mesh = mesh_from_drawing(path, size=0.8, layers=["cut"])
-        assert sorted(mesh.node_sets) == ["hole_1", "hole_2", "outline"]
+        assert sorted(mesh.node_sets) == ["hole_1", "hole_2", "outline", "rim"]
         assert mesh.quad_areas().sum() == pytest.approx(AREA, rel=5e-3)  # chords of 0.8 mm
         assert mesh.scaled_jacobian().min() > 0.3
 

@@ -154,14 +154,36 @@ class TestCompanions:
         assert changed(found, "nodes moved") == {"tool.phase_deg": 1.8}
         assert changed(found, "slower") == {"motion.duration": 0.002}
 
+    @pytest.mark.parametrize(
+        ("film", "coarser", "moved"),
+        [
+            ({"mesh": "path"}, {"size_at_path": 0.6}, {"size_at_path": 0.38}),
+            (
+                {"radius": 15, "size_at_path": 0.2, "size": 3},
+                {"size_at_path": 0.3, "size": 4.5},
+                {"size_at_path": 0.19, "size": 2.85},
+            ),
+            ({"radius": 15, "size": 0.6}, {"size": 0.9}, None),
+        ],
+    )
+    def test_a_film_along_the_path_is_meshed_anew(self, film, coarser, moved):
+        found, missing = companions("opening", {f"membrane.{k}": v for k, v in film.items()})
+        assert missing == {}
+        sizes = {f"membrane.{k}": pytest.approx(v) for k, v in coarser.items()}
+        assert changed(found, "coarser mesh") == sizes
+        away = {"tool.phase_deg": 1.8}
+        if moved is not None:
+            away = {f"membrane.{k}": pytest.approx(v) for k, v in moved.items()}
+        assert changed(found, "nodes moved") == away
+
     def test_what_is_missing_is_told(self, tmp_path):
         data = Path(__file__).parent / "data"
         film = next(path for path in sorted(data.iterdir()) if path.suffix == ".msh")
         strip = {"membrane.file": str(film), "material.rate": {"rate": 40.0, "exponent": 5.0}}
         strip |= {"material.hardening.yield_stress": 20.0}
         found, missing = companions("guillotine", strip)
-        assert list(found) == ["as given", "shape 2", "shape 3"]
-        assert missing["mesh"][0].startswith("left out, because shellcut cannot remesh a file")
+        assert list(found) == ["as given", "finer mesh", "shape 2", "shape 3"]
+        assert changed(found, "finer mesh") == {"membrane.refine": 1}
         assert "depends on the rate" in missing["speed"][0]
         loaded = tmp_path / "loaded.toml"
         loaded.write_text(f'{FREE}[[loads]]\nkind = "pressure"\nvalue = 0.1\nramp = "1 ms"\n')

@@ -11,7 +11,8 @@ from known_film import LEFT, NODES, QUADS, check_geometry
 from shellcut import mesh_from_outline, read_film
 from shellcut.formats.errors import FileError
 from shellcut.mesh import checks
-from shellcut.mesh.mesh import MeshError
+from shellcut.mesh.film_file import divided_in_four
+from shellcut.mesh.mesh import Mesh, MeshError
 from shellcut.mesh.structured import annulus, cylinder, disc, rectangle
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.tool import ToolError
@@ -212,3 +213,63 @@ def test_a_tool_is_not_moved_out_of_its_own_precision():
     assert blade.translated((5e6, 0.0, 0.0)).vertices[:, 0].min() > 4e6
     with pytest.raises(ValueError, match=r"within 1e\+06 times the tool's size of 6 mm"):
         blade.translated((1e9, 0.0, 0.0))
+
+
+class TestDivided:
+    def test_sets_areas_and_orientation_stay(self, tmp_path):
+        path = tmp_path / "sheet.inp"
+        path.write_text(
+            "*NODE\n1, 0., 0.\n2, 3., 0.\n3, 7., 0.5\n4, 0., 2.\n5, 3., 3.\n6, 6., 2.\n"
+            "*ELEMENT, TYPE=S4R\n7, 1, 2, 5, 4\n8, 2, 3, 6, 5\n"
+            "*NSET, NSET=left\n1, 4\n*ELSET, ELSET=right\n8\n"
+        )
+        whole, fine = (read_film(path, unit="mm", refine=n) for n in (0, 2))
+        assert fine.n_quad == 16 * whole.n_quad
+        assert fine.quad_areas().sum() == pytest.approx(whole.quad_areas().sum(), rel=1e-14)
+        assert (fine.directors == whole.directors[0]).all()
+        left = fine.nodes[fine.node_set("left")]
+        assert sorted(left[:, 1]) == [0.0, 0.5, 1.0, 1.5, 2.0]
+        assert (left[:, 0] == 0.0).all()
+        right = fine.quad_set("right")
+        assert fine.quad_areas()[right].sum() == pytest.approx(whole.quad_areas()[1], rel=1e-14)
+
+    def test_a_cylinder_stays_round(self):
+        mesh = cylinder(5.0, 4.0, n_around=36, n_along=4)
+        fine = divided_in_four(Mesh.from_arrays(mesh.nodes, mesh.quads))
+        off = abs(np.hypot(fine.nodes[:, 0], fine.nodes[:, 2]) - 5.0)
+        assert off.max() < 4e-5  # of cubics, (turn)^4; chords are 1.9e-2 off
+
+    def test_a_seam_gets_the_same_places_on_both_sides(self):
+        n, rows = 18, 5
+        closed = cylinder(5.0, 4.0, n_around=n, n_along=rows - 1).nodes.reshape(rows, n, 3)
+        nodes = np.concatenate([closed, closed[:, :1]], axis=1)  # opened along one line
+        ids = np.arange(rows * (n + 1)).reshape(rows, n + 1)
+        corners = (ids[:-1, :-1], ids[:-1, 1:], ids[1:, 1:], ids[1:, :-1])
+        fine = divided_in_four(
+            Mesh.from_arrays(
+                nodes.reshape(-1, 3),
+                np.stack(corners, axis=-1).reshape(-1, 4),
+                node_sets={"one": ids[:, 0], "other": ids[:, -1]},
+            )
+        )
+        one, other = (fine.nodes[fine.node_set(name)] for name in ("one", "other"))
+        assert len(one) == 2 * rows - 1
+        np.testing.assert_array_equal(one, other)
+        off = abs(np.hypot(fine.nodes[:, 0], fine.nodes[:, 2]) - 5.0)
+        assert off.max() < 6e-4  # 0.076 on chords; also beside the seam
+
+    def test_a_fold_stays_sharp(self):
+        sheet = rectangle(8.0, 4.0, size=1.0)
+        x, y, _ = sheet.nodes.T
+        turn, beyond = np.radians(50.0), np.maximum(x - 4.0, 0.0)
+        folded = np.stack([x - (1 - np.cos(turn)) * beyond, y, np.sin(turn) * beyond], axis=1)
+        fine = divided_in_four(Mesh.from_arrays(folded, sheet.quads))
+        x, _, z = fine.nodes.T
+        off = np.where(x < 4.0, z, np.sin(turn) * (x - 4.0) - np.cos(turn) * z)
+        assert abs(off).max() < 1e-14
+
+    def test_too_many_quads_are_refused(self, tmp_path):
+        sheet = rectangle(60.0, 60.0, size=1.0)
+        path = written(tmp_path, {"quad": sheet.quads}, sheet.nodes)
+        with pytest.raises(MeshError, match="lower refine, or mesh coarser"):
+            read_film(path, unit="mm", refine=6)

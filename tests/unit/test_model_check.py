@@ -243,7 +243,7 @@ def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
             {"tip_clearance": 5.0},
             "4.6 mm lie between them; add [0, 0, 4.99] mm to membrane.shift or add [0, 0, -4.99]",
         ),
-        ({"radius": 12.0}, "1.5 mm lie between them; move it by (0, 1.45, "),  # beside it
+        ({"tool.radius": 12.0}, "1.5 mm lie between them; move it by (0, 1.45, "),  # beside it
     ],
 )
 def test_a_tool_that_never_touches_the_film_is_told(options, said):

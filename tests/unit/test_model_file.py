@@ -545,6 +545,8 @@ def test_an_override_says_which_keys_of_the_file_give_way(write, caplog):
     assert "x.toml:3)" in said
     caplog.clear()
     read_model("free", {"membrane.mesh": "quick"})  # of the package: no file of the user's
+    disc = {"membrane.radius": 5.0, "membrane.n_side": 8}  # the sheet's size gives way, too
+    assert read_model("free", disc).sections["membrane"].values["size"] is None
     assert caplog.messages == []
 
 

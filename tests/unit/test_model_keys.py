@@ -12,14 +12,7 @@ import sys
 import numpy as np
 import pytest
 
-from shellcut import (
-    ShellMaterial,
-    Simulation,
-    mesh_from_drawing,
-    mesh_from_outline,
-    oscillating,
-    read_model,
-)
+from shellcut import FilmOutline, ShellMaterial, Simulation, oscillating, read_drawing, read_model
 from shellcut.mesh.structured import disc, opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
 from shellcut.model_file.forms import written
@@ -314,11 +307,8 @@ def built(monkeypatch, files):
                 @functools.wraps(real)
                 def spy(**arguments):
                     read.append(described(arguments))
-                    if real in (mesh_from_outline, mesh_from_drawing):
-                        sheet = rectangle(4.0, 4.0, size=1.0)
-                        rim = sheet.boundary_nodes()
-                        sets = {"outline": rim, "rim": rim, "other": sheet.node_set("left")}
-                        return sheet.with_sets(node_sets=sets)
+                    if real is read_drawing:
+                        return FilmOutline(np.array(SQUARE), ())
                     plain = {k: v for k, v in arguments.items() if k in ("path", "unit")}
                     if "unit" in plain:
                         plain["unit"] = "mm"
@@ -327,6 +317,17 @@ def built(monkeypatch, files):
                 return spy
 
             monkeypatch.setattr(kind, "constructor", reader())
+
+    def meshed(outline, **arguments):  # by Gmsh
+        sizes = {k: v for k, v in arguments.items() if k in ("holes", "size", "size_at_path")}
+        read.append(described([np.array(outline), sizes]))
+        sheet = rectangle(4.0, 4.0, size=1.0)
+        rim = sheet.boundary_nodes()
+        sets = {"outline": rim, "rim": rim, "other": sheet.node_set("left")}
+        return sheet.with_sets(node_sets=sets)
+
+    for name in ("mesh_from_outline", "film_along_path"):
+        monkeypatch.setattr(build, name, meshed)
     for name in SECTIONS:
 
         def keep(*positional, _name=name, **named):
@@ -355,7 +356,7 @@ def unvaried():
 def with_sets_of(kind, title, model, values):
     """Give a set name that the mesh of this model has."""
     if "clamp" in values and kind.name in ("opening", "disc"):
-        return {**values, "clamp": ["rim"]}
+        return {**values, "clamp": ["rim"] if model == "free" else ["centre"]}
     if "clamp" in values and kind.name == "rectangle":
         return {**values, "clamp": ["left"]}
     return values
@@ -380,6 +381,8 @@ def test_every_key_reaches_what_is_built(built, unvaried, model, title, kind, ke
         given = {**given, "cutting_energy": 2.9}
     if key == "self_friction":
         given = {"self_contact": True}
+    if key in ("size_at_path", "size", "holes"):  # of discs by Gmsh
+        given = {"opening": {"mesh": "path"}, "disc": {"radius": 5.0}}.get(kind.name, given)
     other = other_value(kind, key)
     if title.startswith("material") and key == "angle_deg":
         other = 30.0
@@ -416,6 +419,7 @@ ELSEWHERE |= {"law"}  # what cards say of a table
 ELSEWHERE |= {"cables"}  # what the makers of a cohesive law hand on
 ELSEWHERE |= {"anisotropy"}  # of cracks without a tool, which a model file has
 ELSEWHERE |= {"material", "direction"}  # of a layer, of a film: [material] has own keys for it
+ELSEWHERE |= {"near", "size_near", "band"}  # of the path of the tool
 NOT_IN_FILES = {"velocity": "an array, a row a node", "terms": "classes of a user's own"}
 
 

@@ -13,7 +13,7 @@ from shellcut.arguments import checked
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_held_film, check_hold
-from .path import check_path
+from .path import check_path, check_sides
 from .piercing import check_piercing
 from .place import meeting_remedy
 from .plausible import check_numbers, check_table
@@ -124,6 +124,9 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     along_edges = sim.fracture.path == "edges"
     if law is not None and not untouched:
         yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture, remedy)
+        touching = sim.contact is not None and sim.contact.film_edges is not None
+        if sim.cracks is not None and touching and len(sweep.place):
+            yield from check_sides(sweep, sim.cracks.bending_length, law)
         if sim.fracture.blade_cut and sim.fracture.puncture_force is None:
             yield from check_piercing(sim, law, sweep)
     edge = float(np.median(mesh.edge_lengths()))

@@ -35,6 +35,12 @@ SHARE = 0.05
 """Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
 """Smallest opening_u in edge lengths."""
+BENDS = 5.0
+"""Longest sides under the path in bending lengths of the film, for the torque."""
+OPENINGS = 0.1
+"""Longest sides under the path over opening_u, for the torque."""
+_SCATTER = 1.2
+"""Of the sides of quads by Gmsh about the size that was asked for."""
 
 
 def check_path(
@@ -65,7 +71,7 @@ def check_path(
     if along_edges:
         yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
-    h = rows.spacing if along_edges else float(np.median(mesh.edge_lengths()))
+    h = rows.spacing if along_edges else float(np.median(sweep.edge_length))
     if law.opening_u < RUNGS * h:
         yield doubt(
             f"opening_u must be at least {RUNGS:g} sides of the quads along the path long, or the "
@@ -74,6 +80,29 @@ def check_path(
             f"opening_u {law.opening_u:.4g} mm and sides of {h:.3g} mm on the path, "
             f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",
+        )
+
+
+def side_needed(bent: float, law: CohesiveTable) -> float:
+    """Return how long sides under the path may be for the torque not to depend on them [mm].
+
+    bent : bending length of the film [mm].
+    """
+    return min(BENDS * bent, OPENINGS * law.opening_u)
+
+
+def check_sides(sweep: Sweep, bent: float, law: CohesiveTable) -> Iterator[Finding]:
+    """Yield a finding if the film cannot fold beside the tool; its edges touch the tool's."""
+    h = float(np.median(sweep.edge_length))
+    if h > _SCATTER * BENDS * bent:
+        size = side_needed(bent, law)
+        yield doubt(
+            f"sides of the quads under the path must be {BENDS:g} bending lengths of the film at "
+            "most, or it cannot fold beside the tool: the torque was off by up to a half at ten of "
+            "them, and the better of two teeth came out as the worse",
+            f"sides of {h:.3g} mm, {h / bent:.2g} bending lengths of {bent:.3g} mm",
+            f"set membrane.size_at_path = {size:.2g}, or bring a film as fine as that along the "
+            "path",
         )
 
 

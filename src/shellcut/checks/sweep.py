@@ -172,6 +172,20 @@ class Sweep:
             lead[among] = np.where(passed, way[:, among], np.inf).min(axis=0)
         return lead
 
+    def way(self, ahead: float) -> Floats:
+        """Return points on the path and on its ways beyond each end, shape (n, 3), [mm].
+
+        A way is as long as ``ahead`` [mm], on the circle through the last places, or straight.
+        """
+        found = [self.place]
+        for k in range(len(self.fates)):
+            for line, fine in self._lines(k):
+                found.append(_filled(line, fine))
+                for end in _ends(line):
+                    *_, (_, beyond) = _continued(end, fine / _FINE, np.arange(fine, ahead, fine))
+                    found.append(beyond)
+        return np.concatenate(found)
+
     @cached_property
     def _path(self) -> _Path:
         """The path with its ways ahead."""

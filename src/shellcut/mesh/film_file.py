@@ -16,7 +16,7 @@ from typing import Annotated, Literal, TypeAlias
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, product
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.formats.abaqus import read_abaqus
 from shellcut.formats.errors import FileError, check_finite, named, naming, point_text
 from shellcut.formats.file_mesh import LINE, N_CORNER, POINT, QUAD, TRIANGLE, CellBlock, FileMesh
@@ -45,6 +45,10 @@ READERS: dict[str, Callable[[str | Path], FileMesh]] = {
 """The reader for each file name suffix."""
 
 
+_ALIKE = 3.0
+"""Ratio of the angles at the two ends of a side up to which the film is curved, not folded."""
+
+
 @checked
 def read_film(
     path: Annotated[str | Path, Option("", "the mesh; its suffix selects the format", form="path")],
@@ -71,6 +75,9 @@ def read_film(
         Option("mm", "merge nodes closer than this", above=0, unset="no merging"),
     ] = None,
     max_fold_deg: Annotated[float, Option("deg", "sharpest fold allowed")] = 60.0,
+    refine: Annotated[
+        int, Option("", "times that each quad is divided in four", least=0, most=6)
+    ] = 0,
 ) -> Mesh:
     """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu, .vtp and .vtk.
 
@@ -132,13 +139,17 @@ def read_film(
     try:
         check_quads(film.nodes, film.quads)
         film.turn()
-        return Mesh.from_arrays(
+        mesh = Mesh.from_arrays(
             film.nodes,
             film.quads,
             node_sets=film.node_sets,
             quad_sets=film.quad_sets,
             max_fold_deg=max_fold_deg,
         )
+        check_film_size(mesh.n_quad * 4.0**refine, "lower refine, or mesh coarser")
+        for _ in range(refine):
+            mesh = divided_in_four(mesh, max_fold_deg)
+        return mesh
     except MeshError as problem:
         raise MeshError(
             f"{path} holds no film (ids count from 0 in the order of the file): {problem}"
@@ -443,3 +454,55 @@ def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
         cells=(quads, triangles),
         n_node=n_node,
     )
+
+
+# --- quads in four --------------------------------------------------------------------------------
+
+
+def divided_in_four(mesh: Mesh, max_fold_deg: float = 60.0) -> Mesh:
+    """Return a mesh with each quad divided in four, its sets with the nodes and quads between.
+
+    In a curved film the midpoint of a side is that of the cubic that is perpendicular to the
+    directors at its ends, on both sides of a seam the same. Where a film is folded, or ends, the
+    directors turn by different angles from the two ends of a side; it is then kept straight.
+
+    Examples
+    --------
+    >>> sheet = Mesh.from_arrays([[0, 0], [2, 0], [2, 2], [0, 2]], [[0, 1, 2, 3]])
+    >>> divided_in_four(sheet).nodes[4:, :2].tolist()
+    [[1.0, 0.0], [0.0, 1.0], [2.0, 1.0], [1.0, 2.0], [1.0, 1.0]]
+    """
+    split = split_in_quads(mesh.nodes, mesh.quads, np.zeros((0, 3), np.int64))
+    bow = np.zeros_like(split.nodes)
+    middles = slice(mesh.n_node, mesh.n_node + len(split.edge_ends))
+    bow[middles] = _bow_of_sides(mesh, split.edge_ends)
+    around = split.quads.reshape(-1, 4, 4)
+    bow[around[:, 0, 2]] = 0.5 * bow[around[:, :, 1]].sum(axis=1)  # of a Coons patch
+    quad_sets = {
+        name: np.flatnonzero(np.isin(split.parent, members))
+        for name, members in mesh.quad_sets.items()
+    }
+    return Mesh.from_arrays(
+        split.nodes + bow,
+        split.quads,
+        node_sets={name: split.with_middles(each) for name, each in mesh.node_sets.items()},
+        quad_sets=quad_sets,
+        max_fold_deg=max_fold_deg,
+    )
+
+
+def _bow_of_sides(mesh: Mesh, ends: Ints) -> Floats:
+    # how far the middles of sides lie off the chord, shape (n, 3)
+    pairs = coincident(mesh.nodes, np.unique(mesh.quads))
+    spot = connected_parts(pairs[:, 0], pairs[:, 1], mesh.n_node)
+    normals = np.zeros_like(mesh.nodes)
+    np.add.at(normals, spot, mesh.directors)
+    one, two = (unit(normals[spot[ends[:, k]]]) for k in (0, 1))
+    chord = mesh.nodes[ends[:, 1]] - mesh.nodes[ends[:, 0]]
+    along = unit(chord)
+    rise, fall = (one * along).sum(axis=1), -(two * along).sum(axis=1)
+    start, stop = unit(along - rise[:, None] * one), unit(along + fall[:, None] * two)
+    bow = 0.125 * norm(chord)[:, None] * (start - stop)
+    less, more = np.minimum(abs(rise), abs(fall)), np.maximum(abs(rise), abs(fall))
+    curved = (rise * fall > 0.0) & (more <= _ALIKE * less)
+    return np.where(curved[:, None], bow, 0.0)

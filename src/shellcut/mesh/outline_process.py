@@ -1,9 +1,10 @@
 """Mesh an outline with Gmsh, in a process of its own: ``outline_process.py LOOPS OUT``.
 
 :mod:`shellcut.mesh.outline` starts the process, gives the loops of nodes, ``loop_0``, ``loop_1``
-..., and the ``size``, and reads the answer: ``nodes``, shape (n, 2), ``quads``, ``n_triangle`` that
-are left, and the nodes of each loop, ``rim_0``, ... This file imports nothing of shellcut, so that
-it starts at once.
+..., the ``size``, and points ``near_0``, ... about which it is ``size_0``, ... up to the distance
+``band_0``, ... and rises by ``growth`` from there. It reads the answer: ``nodes``, shape (n, 2),
+``quads``, ``n_triangle`` that are left, and the nodes of each loop, ``rim_0``, ... This file
+imports nothing of shellcut, so that it starts at once.
 """
 
 from __future__ import annotations
@@ -22,6 +23,9 @@ _OPTIONS = {
     "Mesh.ElementOrder": 1,
     "Mesh.RandomSeed": 1,
 }
+_SCALES = (1.0, 1.01, 1.02, 1.03, 1.04, 0.99, 0.98, 0.97)
+"""Of sizes that vary: the mesh whose narrowest quad is widest is taken. That quad sets the time
+step of a run, which differs by half between them."""
 
 
 def main(given: str, out: str) -> None:
@@ -29,24 +33,41 @@ def main(given: str, out: str) -> None:
     import gmsh
     import numpy as np
 
-    with np.load(given) as held:
-        loops = [held[f"loop_{k}"] for k in range(len(held) - 1)]
-        size = float(held["size"])
+    with np.load(given) as file:
+        held = dict(file)
+    loops = [held[f"loop_{k}"] for k in range(len(held)) if f"loop_{k}" in held]
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     for name, value in _OPTIONS.items():
         gmsh.option.setNumber(name, value)
     answer: dict[str, Any] = {}
     for algorithm in _ALGORITHMS:
-        answer = _meshed(gmsh, loops, size, algorithm)
+        scales = _SCALES if "near_0" in held else (1.0,)
+        tries = [_meshed(gmsh, loops, held, algorithm, scale) for scale in scales]
+        answer = max(tries, key=_narrowest)
         if not answer["n_triangle"]:
             break
     gmsh.finalize()
     np.savez(out, **answer)
 
 
-def _meshed(gmsh: Any, loops: list[Any], size: float, algorithm: int) -> dict[str, Any]:
+def _narrowest(answer: dict[str, Any]) -> float:
+    """Return the least area of a quad over its longest side; with triangles less than 0."""
     import numpy as np
 
+    if answer["n_triangle"]:
+        return -float(answer["n_triangle"])
+    x, y = answer["nodes"][answer["quads"]].transpose(2, 1, 0)
+    area = 0.5 * abs((x[2] - x[0]) * (y[3] - y[1]) - (x[3] - x[1]) * (y[2] - y[0]))
+    side = np.hypot(np.roll(x, -1, axis=0) - x, np.roll(y, -1, axis=0) - y)
+    return float((area / side.max(axis=0)).min())
+
+
+def _meshed(
+    gmsh: Any, loops: list[Any], held: dict[str, Any], algorithm: int, scale: float
+) -> dict[str, Any]:
+    import numpy as np
+
+    size = float(held["size"])
     gmsh.clear()
     gmsh.option.setNumber("Mesh.Algorithm", algorithm)
     geo = gmsh.model.geo
@@ -60,6 +81,8 @@ def _meshed(gmsh: Any, loops: list[Any], size: float, algorithm: int) -> dict[st
         point_tags.append(points)
     geo.addPlaneSurface(curve_loops)
     geo.synchronize()
+    if "near_0" in held:
+        _set_field(gmsh, held, scale, size)
     gmsh.model.mesh.generate(2)
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
@@ -72,8 +95,34 @@ def _meshed(gmsh: Any, loops: list[Any], size: float, algorithm: int) -> dict[st
         f"rim_{k}": np.array([row[int(gmsh.model.mesh.getNodes(0, p)[0][0])] for p in points])
         for k, points in enumerate(point_tags)
     }
-    nodes = xyz.reshape(-1, 3)[:, :2]
-    return {"nodes": nodes, "quads": corners[3], "n_triangle": len(corners[2]), **rims}
+    nodes, quads = xyz.reshape(-1, 3)[:, :2], corners[3]
+    if "near_0" in held and len(quads):  # without the points of the field
+        used, quads = np.unique(quads, return_inverse=True)
+        place = np.searchsorted(used, np.arange(len(nodes)))
+        rims = {name: place[rim] for name, rim in rims.items()}
+        nodes, quads = nodes[used], quads.reshape(-1, 4)
+    return {"nodes": nodes, "quads": quads, "n_triangle": len(corners[2]), **rims}
+
+
+def _set_field(gmsh: Any, held: dict[str, Any], scale: float, size: float) -> None:
+    field, growth, rises = gmsh.model.mesh.field, float(held["growth"]), []
+    for k in range(sum(name.startswith("near_") for name in held)):
+        least, band = scale * float(held[f"size_{k}"]), float(held[f"band_{k}"])
+        points = [gmsh.model.geo.addPoint(x, y, 0.0) for x, y in held[f"near_{k}"].tolist()]
+        distance, rise = field.add("Distance"), field.add("Threshold")
+        field.setNumbers(distance, "PointsList", points)
+        field.setNumber(rise, "InField", distance)
+        field.setNumber(rise, "SizeMin", least)
+        field.setNumber(rise, "SizeMax", size)
+        field.setNumber(rise, "DistMin", band)
+        field.setNumber(rise, "DistMax", band + (size - least) / growth)
+        rises.append(rise)
+    gmsh.model.geo.synchronize()
+    smallest = field.add("Min")
+    field.setNumbers(smallest, "FieldsList", rises)
+    field.setAsBackgroundMesh(smallest)
+    for name in ("Mesh.MeshSizeExtendFromBoundary", "Mesh.MeshSizeFromPoints"):
+        gmsh.option.setNumber(name, 0)
 
 
 if __name__ == "__main__":

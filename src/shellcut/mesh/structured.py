@@ -41,7 +41,7 @@ _LAYER_THICKNESS = 0.927  # of a free layer at the middle of a core side, over t
 OpeningName = Literal["quick", "M1", "M2"]
 
 # n_side, n_layer, ring_radii [mm]: the path of the teeth is the ring of edges at 9.4
-_OPENING_RADIUS = 10.2
+OPENING_RADIUS = 10.2
 _OPENING_PATH = 9.4
 _OPENINGS: dict[str, tuple[int, int, tuple[float, ...]]] = {
     "quick": (18, 4, (9.4, 8.6)),
@@ -169,15 +169,15 @@ def disc(
     n_quad = n_side**2 + 4 * n_side * (n_free + n_exact)
     check_film_size(n_quad, "lower n_side or n_layer")
     core, grid = _core(n_side, n_free)
-    circle = _circle(4 * n_side)
+    around = circle(4 * n_side)
     # from the corner at -45 degrees counter-clockwise, then rotated to begin at angle 0
     sides = (grid[-1, :-1], grid[:0:-1, -1], grid[0, :0:-1], grid[:-1, 0])
     inner = np.roll(np.concatenate(sides), -(n_side // 2))
 
     innermost = rings[-1]
     steps = np.arange(1, n_free + 1)[:, None, None] / n_free
-    free = innermost * ((1.0 - steps) * core[inner] + steps * circle)
-    exact = np.array(rings[-2::-1])[:, None, None] * circle if n_exact else np.empty((0, 2))
+    free = innermost * ((1.0 - steps) * core[inner] + steps * around)
+    exact = np.array(rings[-2::-1])[:, None, None] * around if n_exact else np.empty((0, 2))
     nodes = np.concatenate([innermost * core, free.reshape(-1, 2), exact.reshape(-1, 2)])
 
     circles = len(core) + np.arange((n_free + n_exact) * 4 * n_side).reshape(-1, 4 * n_side)
@@ -206,7 +206,7 @@ def opening_disc(
         As from :func:`disc`, with a further node set "ring", the nodes at r = 9.4 by angle from 0.
     """
     n_side, n_layer, ring_radii = _OPENINGS[name]
-    mesh = disc(_OPENING_RADIUS, n_side=n_side, n_layer=n_layer, ring_radii=ring_radii)
+    mesh = disc(OPENING_RADIUS, n_side=n_side, n_layer=n_layer, ring_radii=ring_radii)
     return mesh.with_sets(node_sets={"ring": mesh.node_set(f"ring_{_OPENING_PATH:g}")})
 
 
@@ -230,7 +230,7 @@ def annulus(
     check_film_size(n_around * n_radial, "lower n_around or n_radial")
     t = np.arange(n_radial + 1) / n_radial
     radii = (1.0 - t) * r_inner + t * r_outer
-    nodes = radii[:, None, None] * _circle(n_around)
+    nodes = radii[:, None, None] * circle(n_around)
     ids = np.arange((n_radial + 1) * n_around).reshape(n_radial + 1, n_around)
     return Mesh.from_arrays(
         nodes.reshape(-1, 2),
@@ -302,8 +302,11 @@ def _core(n_side: int, n_free: int) -> tuple[Floats, Ints]:
     return np.stack([c * x - s * y, s * x + c * y], axis=1), grid
 
 
-def _circle(n: int) -> Floats:
-    # n points of the unit circle by angle from 0, (n, 2); exact on the axes if n is a multiple of 4
+def circle(n: int) -> Floats:
+    """Return n points of the unit circle by angle from 0, shape (n, 2).
+
+    They are exact on the axes if n is a multiple of 4.
+    """
     k = np.arange(n)
     if n % 4:
         angle = 2.0 * pi * k / n

@@ -20,10 +20,13 @@ import numpy as np
 from shellcut.arrays import Ints
 from shellcut.loads.supports import choose_nodes
 from shellcut.mesh.mesh import Mesh
+from shellcut.mesh.outline import mesh_from_outline
+from shellcut.mesh.placed import placed
 from shellcut.models import Case, free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.guillotine import blade_before
 from shellcut.models.oscillating import duration_of as oscillating_time
 from shellcut.models.oscillating import film_before
+from shellcut.models.path_film import film_along_path
 from shellcut.models.preview import ModelParts
 from shellcut.models.trouser import duration_of as trouser_time
 from shellcut.simulation.simulation import Simulation
@@ -33,7 +36,7 @@ from shellcut.tool.tool import Tool
 from .errors import ModelFileError, Problem, is_refusal
 from .key import Section
 from .model import Model
-from .section_table import STRIP_BLADE
+from .section_table import STRIP_BLADE, along_path, by_gmsh
 from .source import KeyPath, titled_path
 
 BUILDERS: dict[str, Callable[..., Case]] = {
@@ -76,10 +79,65 @@ def build(model: Model) -> Case:
     return replace(case, name=model.name)
 
 
+class _Made:
+    """What is made of single sections, each once.
+
+    A film may need the tool, and makes it; a blade without a length is as long as the strip, which
+    is made before.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._of: dict[str, Any] = {}
+
+    def __getitem__(self, title: str) -> Any:
+        if title not in self._of:
+            with _blame(self._model, (title,)):
+                self._of[title] = self._make(title)
+        return self._of[title]
+
+    def _make(self, title: str) -> Any:
+        if title == "membrane":
+            return self._film()
+        section = self._model.sections[title]
+        if section.of is STRIP_BLADE and section.length is None and "membrane" in self._of:
+            section = section.with_values(length=float(np.ptp(self["membrane"].nodes[:, 0])))
+        return section.made()
+
+    def _film(self) -> Mesh:
+        model, section = self._model, self._model.sections["membrane"]
+        if model.head.model == "oscillating":
+            shape = {name: section.values[name] for name in ("size", "length", "width", "band")}
+            return film_before(model.sections["tool"].diameter, **shape)
+        if section.of.outline is None or not by_gmsh(section):
+            film: Mesh = section.made()
+            return film
+        outline, holes = section.of.outline(section)
+        shift = np.asarray(section.values.get("shift", (0.0, 0.0, 0.0)), float)
+        if not along_path(section):
+            return placed(
+                mesh_from_outline(outline, holes=holes, size=section.size), shift=shift.tolist()
+            )
+        # The path is where the tool passes, so the film must be in its place before it is meshed.
+        aside, rise = shift[:2], float(shift[2])
+        film = film_along_path(
+            np.asarray(outline) + aside,
+            holes=[np.asarray(hole) + aside for hole in holes],
+            tool=self["tool"].translated((0.0, 0.0, -rise)),
+            motion=self["motion"],
+            duration=duration_of(model.sections["motion"], self["motion"]),
+            size_at_path=section.size_at_path,
+            size=section.values.get("size"),
+            material=self["material"],
+            law=self["cohesive"],
+        )
+        return placed(film, shift=(0.0, 0.0, rise))
+
+
 def _arguments(model: Model) -> dict[str, Any]:
     """Return the arguments of the model's builder: single values, and what sections make."""
-    with _blame(model, ("membrane",)):
-        film = film_of(model)
+    made = _Made(model)
+    film = made["membrane"]
     given: dict[str, Any] = {}
     for title, section in (("", model.head), *model.sections.items()):
         given |= {
@@ -88,9 +146,7 @@ def _arguments(model: Model) -> dict[str, Any]:
             if key.owner in _OWNERS and (value := section.values[name]) is not None
         }
         if title in _ARGUMENTS and not section.of.spread:
-            with _blame(model, (title,)):
-                one = section if title != "tool" else tool_before(model, film)
-                given[_ARGUMENTS[title]] = film if title == "membrane" else one.made()
+            given[_ARGUMENTS[title]] = made[title]
     with _blame(model, ("membrane",), "clamp"):
         for name in given.get("clamp", ()):
             film.node_set(name)
@@ -106,24 +162,6 @@ def _arguments(model: Model) -> dict[str, Any]:
                     film.quad_set(one.quads)
                 given[title].append(one.made())
     return given
-
-
-def film_of(model: Model) -> Mesh:
-    """Return the film of a model."""
-    section = model.sections["membrane"]
-    if model.head.model == "oscillating":
-        shape = {name: section.values[name] for name in ("size", "length", "width", "band")}
-        return film_before(model.sections["tool"].diameter, **shape)
-    film: Mesh = section.made()
-    return film
-
-
-def tool_before(model: Model, film: Mesh | None) -> Section:
-    """Return the section of the tool; a blade without a length is as long as the strip."""
-    section: Section = model.sections["tool"]
-    if film is not None and section.of is STRIP_BLADE and section.length is None:
-        return section.with_values(length=float(np.ptp(film.nodes[:, 0])))
-    return section
 
 
 def duration_of(section: Section, motion: Any) -> float:
@@ -151,11 +189,12 @@ def _blame(model: Model, path: KeyPath, *key: str) -> Iterator[None]:
 
 def parts(model: Model) -> ModelParts:
     """Return those of film, held nodes, tool and motion that can be built."""
-    mesh: Mesh | None = _try(lambda: film_of(model))
+    made = _Made(model)
+    mesh: Mesh | None = _try(lambda: made["membrane"])
     if model.head.model == "trouser":
         pull = _try(lambda: trouser_time(**_values(model, "length width", "travel speed ramp")))
         return ModelParts(mesh=mesh, held=_held(model, mesh), duration=pull)
-    tool: Tool | None = _try(lambda: tool_before(model, mesh).made())
+    tool: Tool | None = _try(lambda: made["tool"])
     moved = _try(lambda: _moved(model, mesh, tool))
     tool, motion, duration = (tool, None, None) if moved is None else moved
     held = _held(model, mesh)

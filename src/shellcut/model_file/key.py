@@ -202,6 +202,8 @@ class Kind:
     """Further arguments of the constructor."""
     make: Callable[[Section], Any] | None = None
     """Makes it; by default the constructor does."""
+    outline: Callable[[Section], tuple[Any, Any]] | None = None
+    """Returns outline and holes of a film that can be meshed along the path of the tool."""
 
     def __call__(self, **values: Any) -> Section:
         """Return a section with the defaults filled in."""

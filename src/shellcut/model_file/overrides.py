@@ -113,6 +113,9 @@ def _set(
         chosen = present if present is not None and stays else identified[0]
         known = {name for kind in kinds for name in kind.names()}
         foreign = known - set(chosen.names()) | (set() if stays else {"kind"})
+        sizes = [kind.keys.get("size") for kind in (present, chosen) if kind is not None]
+        if not stays and None not in sizes and sizes[0] != sizes[-1]:
+            foreign.add("size")  # of structured sheets, and of quads by Gmsh
         gone = [name for name in table if name in foreign and name not in {*keep, key}]
     for name in gone:
         del table[name]

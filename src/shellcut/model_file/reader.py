@@ -21,7 +21,7 @@ from .key import REQUIRED, Key, Kind, Section, kind_of
 from .material_keys import named_material, presets, with_presets
 from .model import Model
 from .overrides import overridden
-from .section_table import GONE, HEAD, LISTS, SECTIONS, Kinds
+from .section_table import GONE, HEAD, LISTS, OF_OUTLINES, SECTIONS, Kinds
 from .source import KeyPath, Source, parse, titled_path
 
 _log = logging.getLogger(__name__)
@@ -309,7 +309,9 @@ class _Reading:
             if kind is not cls and name in kind.names():
                 chosen = f'kind = "{cls.name}"' if cls.name else "this one"
                 theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
-                text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
+                text = OF_OUTLINES.get((cls.name, name), "")
+                if not text:
+                    text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
                 if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
                     other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
                     fits = set(kind.names()) - {"kind"}

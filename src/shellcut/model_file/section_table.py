@@ -16,12 +16,12 @@ from shellcut.contact.settings import Contact
 from shellcut.fracture.options import NO_IMPRINT, Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure, steady
 from shellcut.loads.supports import Ramped, Support
-from shellcut.mesh.drawing import mesh_from_drawing
+from shellcut.mesh.drawing import read_drawing
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.placed import placed
-from shellcut.mesh.structured import disc, opening_disc, rectangle
+from shellcut.mesh.structured import OPENING_RADIUS, disc, opening_disc, rectangle
 from shellcut.models import free_cut, guillotine, opening_test, oscillating, trouser
 from shellcut.models.case import PAPER_DAMPING
 from shellcut.models.guillotine import BLADE_HEIGHT, strip_of
@@ -34,6 +34,7 @@ from shellcut.models.oscillating import (
     bar_before,
     way_of,
 )
+from shellcut.models.path_film import disc_outline, film_along_path
 from shellcut.models.trouser import (
     MASS_DAMPING,
     TEAR_FRACTURE,
@@ -73,12 +74,57 @@ HEAD = Kind(
 _FREE = keys_of(free_cut, "clamp", "notch")
 _RIM = keys_of(opening_test, "clamp")
 
+_SIZES = keys_of(film_along_path, "size_at_path", "size")
+
+
+def by_gmsh(film: Section) -> bool:
+    """Whether Gmsh meshes a film, from its outline."""
+    given = film.values
+    return (
+        film.of.outline is not None
+        and given.get("mesh", "path") == "path"
+        and given.get("n_side") is None
+    )
+
+
+def along_path(film: Section) -> bool:
+    """Whether Gmsh meshes a film with quads that are small along the path of the cutting edges."""
+    return by_gmsh(film) and (film.size_at_path is not None or film.values.get("size") is None)
+
+
+def _disc(section: Section) -> Any:
+    """Return a structured disc; None of one that Gmsh meshes, for which sizes and holes are."""
+    for name in ("n_layer", "ring_radii"):
+        if section.values.get(name) and section.n_side is None:
+            raise ValueError(f"{name} needs n_side; without both Gmsh meshes the disc")
+    if by_gmsh(section):
+        return None
+    if given := [name for name in (*_SIZES, "holes") if section.values.get(name)]:
+        own = "n_side" if "n_side" in section.values else f"mesh = {section.mesh}"
+        raise ValueError(
+            f"{given[0]} is of a disc meshed by Gmsh, got it with {own}, of a structured one: "
+            "leave out one of them"
+        )
+    return section.called()
+
+
+def _drawn(section: Section) -> Any:
+    found = section.called()
+    return found.outline, found.holes
+
+
 OPENING_DISC = Kind(
-    "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre.",
-    keys_of(opening_disc, renamed={"name": "mesh"}, defaults={"mesh": "M1"}),
+    "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre; path: by "
+    "Gmsh, with rim.",
+    {
+        "mesh": replace(keys_of(opening_test)["mesh"], owner=opening_disc, parameter="name"),
+        "size_at_path": _SIZES["size_at_path"],
+    },
     opening_disc,
     name="opening",
     sign="mesh",
+    make=_disc,
+    outline=lambda section: (disc_outline(OPENING_RADIUS), ()),
 )
 STRIP = Kind(
     "A strip from x = 0 with its long sides clamped.",
@@ -96,11 +142,19 @@ RECTANGLE = Kind(
     sign="length",
 )
 DISC = Kind(
-    "A disc about the origin, with node sets rim and centre and one per ring.",
-    keys_of(disc) | _FREE,
+    "A disc about the origin, with the node set rim. By Gmsh, or with n_side structured, with "
+    "centre and one set per ring.",
+    {
+        **keys_of(disc),
+        "n_side": optional(keys_of(disc)["n_side"], "meshed by Gmsh"),
+        **_SIZES,
+        **keys_of(mesh_from_outline, "holes"),
+    },
     disc,
     name="disc",
     sign="radius",
+    make=_disc,
+    outline=lambda section: (disc_outline(section.radius), section.holes),
 )
 FILM_FILE = Kind(
     "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0 once placed, except in free models.",
@@ -112,20 +166,22 @@ FILM_FILE = Kind(
     deferred=True,
 )
 OUTLINE = Kind(
-    "A mesh of a polygon with holes, made by Gmsh; node sets outline, hole_1, ...",
-    keys_of(mesh_from_outline),
+    "A mesh of a polygon with holes, made by Gmsh; node sets outline, rim (the same), hole_1, ...",
+    keys_of(mesh_from_outline, "outline", "holes") | _SIZES,
     mesh_from_outline,
     name="outline",
     sign="outline",
     deferred=True,
+    outline=lambda section: (section.outline, section.holes),
 )
 DRAWING = Kind(
-    "A mesh of the outline in a DXF drawing, by Gmsh; node sets outline, hole_1, ...",
-    keys_of(mesh_from_drawing, renamed={"path": "drawing"}),
-    mesh_from_drawing,
+    "A mesh of the outline in a DXF drawing, by Gmsh; node sets outline, rim, hole_1, ...",
+    keys_of(read_drawing, renamed={"path": "drawing"}) | _SIZES,
+    read_drawing,
     name="drawing",
     sign="drawing",
     deferred=True,
+    outline=_drawn,
 )
 
 
@@ -136,13 +192,13 @@ def _placeable(kind: Kind) -> Kind:
     """
     if kind.spread:
         return kind
-    keys = {**kind.keys, **keys_of(placed, "shift")}
-    return replace(kind, keys=keys, make=_film)
 
+    def film(section: Section) -> Mesh | None:
+        made = section.called() if kind.make is None else kind.make(section)
+        where = {name: section.values[name] for name in declared(placed) if name in section.values}
+        return None if made is None else placed(made, **where)
 
-def _film(section: Section) -> Mesh:
-    where = {name: section.values[name] for name in declared(placed) if name in section.values}
-    return placed(section.called(), **where)
+    return replace(kind, keys={**kind.keys, **keys_of(placed, "shift")}, make=film)
 
 
 # --- [tool] --------------------------------------------------------------------------------------
@@ -388,6 +444,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
     "opening": _layout(
         (
             OPENING_DISC,
+            DISC.with_keys(_RIM),
             FILM_FILE.with_keys(_RIM),
             OUTLINE.with_keys(_RIM, clamp=("outline",)),
             DRAWING.with_keys(_RIM, clamp=("outline",)),
@@ -411,7 +468,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         (
             OPENING_DISC.with_keys(_FREE),
             RECTANGLE,
-            DISC,
+            DISC.with_keys(_FREE),
             FILM_FILE.with_keys(_FREE),
             OUTLINE.with_keys(_FREE),
             DRAWING.with_keys(_FREE),
@@ -512,3 +569,10 @@ GONE: Mapping[tuple[str, str], str] = {
     },
 }
 """Keys and values of earlier versions, by section, and what to write instead."""
+
+OF_OUTLINES: Mapping[tuple[str, str], str] = {
+    ("file", name): f"[membrane].{name} is for films that Gmsh meshes from an outline; a film from "
+    "a file is as fine as it is: leave it out, or set refine, which divides each quad in four"
+    for name in ("size_at_path", "size", "holes")
+}
+"""Keys of other kinds of films, by kind and key, and why they do not belong to it."""

@@ -8,25 +8,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.mesh.structured import OpeningName, opening_disc
+from shellcut.mesh.structured import OPENING_RADIUS, opening_disc
 from shellcut.tool.motion import Pitch, ScrewMotion
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
 from .case import PAPER_DAMPING, Case, Clamp, damped_by
 from .free_cut import free_cut
+from .path_film import film_along_path
+
+OpeningMesh = Literal["quick", "M1", "M2", "path"]
 
 
 @checked
 def opening_test(
-    mesh: Annotated[OpeningName | Mesh, Option("", "612, 2660 or 8625 quads")] = "M1",
+    mesh: Annotated[
+        OpeningMesh | Mesh,
+        Option("", "612, 2660 or 8625 quads; path: by Gmsh, small along the path"),
+    ] = "M1",
     *,
     tool: Tool | None = None,
     pitch: Pitch = 12.0,
@@ -41,6 +47,8 @@ def opening_test(
 
     Parameters
     ----------
+    mesh : str or Mesh
+        For other sizes along the path see :func:`film_along_path`.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     material, law : ShellMaterial, CohesiveTable, optional
@@ -62,12 +70,22 @@ def opening_test(
     >>> case.simulation.mesh.n_quad
     612
     """
-    if isinstance(mesh, str):
-        options, film = damped_by(PAPER_DAMPING, options), opening_disc(mesh)
-    else:
-        film = mesh
     cutter = tool or tooth_ring()
     motion = ScrewMotion.over(angle_deg=angle_deg, duration=duration, pitch=pitch)
+    film: Mesh
+    if isinstance(mesh, Mesh):
+        film = mesh
+    elif mesh == "path":
+        film = film_along_path(
+            OPENING_RADIUS,
+            tool=cutter,
+            motion=motion,
+            duration=duration,
+            material=material,
+            law=law,
+        )
+    else:
+        options, film = damped_by(PAPER_DAMPING, options), opening_disc(mesh)
     contact = options.pop("contact", None) or Contact()
     if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
         contact = replace(contact, film_edges=True)

@@ -13,6 +13,8 @@ from typing import Any
 
 from shellcut.files.file_list import claim, folder_named
 from shellcut.model_file import Model, read_model
+from shellcut.model_file.section_table import along_path
+from shellcut.models.path_film import path_size
 from shellcut.results.error_bars import (
     CHANCE,
     ERROR_BARS,
@@ -168,23 +170,23 @@ def companions_of(
         key: (model.sections[title] if title else model.head).values[name]
         for key, (title, _, name) in places.items()
     }
-    given["imperfection"] = shape
+    given |= {"imperfection": shape, **{key: v for key, v in _sizes(model).items() if key in given}}
     return {run: {**given, **keys} for run, keys in runs.items()}, missing
 
 
 def _meshes(model: Model, finer: float) -> dict[Run, Settings]:
     """Return a coarser and a finer mesh; ValueError has the reason if there is neither."""
-    film = model.sections["membrane"]
-    if film.kind == "opening":
+    film, sizes = model.sections["membrane"], _sizes(model)
+    if film.kind == "file":
+        return {Run("finer mesh", MESH, 0.5): {"membrane.refine": film.refine + 1}}
+    if film.kind == "opening" and film.mesh in _AROUND:
         n = _AROUND[film.mesh]
         near = sorted(_AROUND, key=lambda name: abs(_AROUND[name] - n))[1:]
         names = near if film.mesh != "quick" else near[:1]
         return {Run(f"mesh {m}", MESH, n / _AROUND[m]): {"membrane.mesh": m} for m in names}
-    if not {"n_side", "n_x"} & {*film.values} and film.values.get("size") is None:
-        why = "shellcut cannot remesh a file; run your own coarser and finer file"
-        if film.kind != "file":
-            why = "the mesher chose the size; give membrane.size"
-        raise NoFinerFilm(why)
+    counted = _rows(model) is not None or film.values.get("n_side") is not None
+    if not sizes and not counted and film.values.get("size") is None:
+        raise NoFinerFilm("the mesher chose the size; give membrane.size")
     found = {"coarser mesh": _mesh(model, 1.0 / _RATIO), "finer mesh": _mesh(model, finer)}
     return {Run(name, MESH, h): keys for name, (h, keys) in found.items() if h != 1.0}
 
@@ -200,7 +202,9 @@ def finer_film(model: Model) -> Settings:
 def _mesh(model: Model, factor: float) -> tuple[float, Settings]:
     """Return the same for a mesh of about so many times as many rows."""
     film = model.sections["membrane"]
-    if film.kind == "disc":
+    if sizes := _sizes(model):
+        return 1.0 / factor, {key: size / factor for key, size in sizes.items()}
+    if film.kind == "disc" and film.n_side:
         n, m = film.n_side, _scaled(film.n_side, factor)
         layers = {"membrane.n_layer": max(1, round(film.n_layer * m / n))} if film.n_layer else {}
         return n / m, {"membrane.n_side": m, **layers}
@@ -213,14 +217,29 @@ def _mesh(model: Model, factor: float) -> tuple[float, Settings]:
 def _moved(model: Model) -> Settings:
     """Return the keys of a mesh as fine with other nodes under the path; none if there is none."""
     film, tool = model.sections["membrane"], model.sections.get("tool")
+    if sizes := _sizes(model):  # the film turns with the teeth
+        return {key: _ANOTHER * size for key, size in sizes.items()}
     if tool is not None and tool.kind == "teeth":
-        around = _AROUND.get(film.values.get("mesh", ""), 4 * film.values.get("n_side", 0))
+        around = _AROUND.get(film.values.get("mesh", ""), 4 * (film.values.get("n_side") or 0))
         turn = 180.0 / around if around else _TURN
         return {"tool.phase_deg": tool.phase_deg + turn}
     if (rows := _rows(model)) is not None:
         keys = _of_rows(model, rows[0] + 1, rows[1], along=True)
         return keys if _rows(model, keys.get("membrane.size"))[1] == rows[1] else {}
     return {"membrane.size": _ANOTHER * film.size} if film.values.get("size") else {}
+
+
+def _sizes(model: Model) -> dict[str, float]:
+    """Return the keys of a film that is meshed along the path, with their sizes; none of others."""
+    film = model.sections["membrane"]
+    if not along_path(film):
+        return {}
+    near = film.size_at_path
+    if near is None:
+        near = path_size(model.sections["material"].made(), model.sections["cohesive"].made())
+    found = {"membrane.size_at_path": near}
+    size = film.values.get("size")
+    return found if size is None else {**found, "membrane.size": size}
 
 
 def _rows(model: Model, size: Any = None) -> Any:
