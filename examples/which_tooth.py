@@ -24,7 +24,7 @@ import shellcut as sc
 parser = argparse.ArgumentParser(description="the better of two caps from a CAD program")
 parser.add_argument("--out", type=Path, required=True, help="folder for the results")
 parser.add_argument("--size", type=float, default=0.4, help="quads along the path [mm]")
-parser.add_argument("--angle", type=float, default=32.0, help="of the motion [deg]")
+parser.add_argument("--angle", type=float, default=45.0, help="of the motion [deg]")
 parser.add_argument("--film", default="laminate", choices=["laminate", "elastic"])
 options = parser.parse_args()
 options.out.mkdir(parents=True, exist_ok=True)
@@ -45,6 +45,7 @@ def write_cap(path, edge_deg, length=1.5, height=5.0):
     edge, shoulder = radians(edge_deg), HALF_THICKNESS / tan(HALF_ANGLE)
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.Verbosity", 0)
     occ = gmsh.model.occ
     a, back = HALF_THICKNESS, -shoulder - length
     corners = [(0.0, 0.0), (a, -shoulder), (a, back), (-a, back), (-a, -shoulder)]

@@ -88,6 +88,19 @@ def test_an_edge_that_meets_a_cable_by_the_way_is_not_waited_for():
     assert steady_window(history(X, [edge(X), by_the_way]), ANGLE) == alone
 
 
+def test_cables_at_irregular_distances_part_no_window():
+    # As quads by Gmsh have them: every tenth lies within a twentieth of the next. The edge waits
+    # for it as long as for any other.
+    met, zone, ahead, spare = edge(X)
+    spacing = np.tile([*[SPACING] * 9, 0.05 * SPACING], 10)
+    places = np.cumsum(spacing)
+    nth = np.round(met / SPACING).astype(int)
+    irregular = np.append(0.0, places)[nth]
+    ahead = np.maximum(ARC - irregular, 0.0)
+    window = steady_window(history(X, [(irregular, zone, ahead, spare)]), ANGLE)
+    assert window.high - window.low > 40.0
+
+
 def test_it_begins_when_the_motion_is_up_to_speed():
     # Over half of the way the speed rises, as fast as time; then it stays.
     time = np.linspace(0.0, 2.0, 1901)

@@ -9,7 +9,8 @@ Of a length that must reach Z or 2 Z a quarter of a spacing of the joints may be
 round-off decides nothing on a regular mesh, where all are multiples of half of it. The film ahead
 ends at the median over the joints of the last 4 Z. The window begins and ends where the edge that
 is the first to meet a cable in it meets one. An edge has stopped if it takes three times its median
-travel per millimetre of cut, and is ignored if it has cut less than a tenth of the longest cut.
+travel per millimetre of cut, of cables closer than their mean distance this; it is ignored if it
+has cut less than a tenth of the longest cut.
 
 *Without a tool* nothing is met: the window is where the crack grows once its zone is full, from a
 third of its last length on, the first third being the way in which the film takes the shape that
@@ -309,7 +310,10 @@ class _Cut:
         joints = self.joints
         if len(joints) < 2:
             return np.zeros(len(x), np.bool_)
+        # A wait for one of several cables that lie close together is no stop: on an irregular mesh
+        # such waits differ by much.
         grown = np.diff(self.length[joints])
+        grown = np.maximum(grown, grown.mean())
         slowness = np.diff(x[joints]) / grown
         slow = _STOPPED * float(np.median(slowness))
         # At the end of the run, the next cable has not been met yet.
