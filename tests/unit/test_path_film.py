@@ -134,6 +134,19 @@ def test_fields_that_cannot_be_are_refused(given, words):
         mesh_from_outline(SQUARE, size=1.0, **given)
 
 
+def test_a_film_is_moved_before_it_is_meshed_along_the_path_of_the_tool(gmsh):
+    asked = {"membrane.radius": 13.0, "membrane.size_at_path": 0.8}
+    there = read_model("opening", {**asked, "membrane.shift": [2.0, -1.0, -0.5]}).build()
+    mesh = there.simulation.mesh
+    rim = mesh.nodes[mesh.node_set("rim")]
+    np.testing.assert_allclose(rim.max(axis=0) + rim.min(axis=0), [4.0, -2.0, -1.0], atol=0.02)
+    centre = mesh.nodes[mesh.quads].mean(axis=1)
+    side = np.sqrt(mesh.quad_areas())
+    on_path = np.abs(np.hypot(centre[:, 0], centre[:, 1]) - 9.4) < 0.4
+    middle = np.hypot(centre[:, 0], centre[:, 1]) < 2.0
+    assert np.median(side[on_path]) < 1.0 < 1.5 < np.median(side[middle])
+
+
 def test_one_film_is_fine_under_the_paths_of_all_tools(gmsh):
     teeth = [tooth_ring(radius=r) for r in (4.0, 9.4)]
     common = {"motion": SCREW, "duration": 2e-3, "size_at_path": 0.5}
