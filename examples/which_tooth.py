@@ -24,7 +24,7 @@ import shellcut as sc
 parser = argparse.ArgumentParser(description="the better of two caps from a CAD program")
 parser.add_argument("--out", type=Path, required=True, help="folder for the results")
 parser.add_argument("--size", type=float, default=0.4, help="quads along the path [mm]")
-parser.add_argument("--angle", type=float, default=45.0, help="of the motion [deg]")
+parser.add_argument("--angle", type=float, default=40.0, help="of the motion [deg]")
 parser.add_argument("--film", default="laminate", choices=["laminate", "elastic"])
 options = parser.parse_args()
 options.out.mkdir(parents=True, exist_ok=True)

@@ -66,11 +66,12 @@ def test_a_search_ends_with_the_best_on_another_mesh(tmp_path, capsys):
         kept = json.loads((tmp_path / OPTIMUM).read_text())["confirmed"]
         return [sc.read(one["folder"]).frame(0).quads.shape[0] for one in kept]
 
-    assert quads_of_runs_again() == [24, 24, 24]  # as given, the best, and the second best
+    # The model as given, which is the second best, and the best.
+    assert quads_of_runs_again() == [24, 24]
     assert main(asked) == 0
     said = capsys.readouterr().out
     assert "on a finer film: force, peak: " in said
-    assert quads_of_runs_again() == [18 * 12] * 3  # 1.5 times as many rows of 12 x 8
+    assert quads_of_runs_again() == [18 * 12] * 2  # 1.5 times as many rows of 12 x 8
     assert main([*asked, "--confirm", "none"]) == 0
     assert "on a finer film" not in capsys.readouterr().out
 

@@ -334,7 +334,9 @@ def optimise(
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
             found = replace(found, compared=_in_common([trials[0], found.best], wanted))
         if found.best and confirm != {}:
-            several = [one.values for one in (trials[0], found.best, found.second) if one]
+            several = [trials[0].values, found.best.values]
+            if found.second and found.second.folder != trials[0].folder:
+                several.append(found.second.values)
             try:
                 again: Sequence[Trial] = run(
                     [{**v, **_further(confirm, variants.read(v))} for v in several]
