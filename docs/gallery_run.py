@@ -33,6 +33,7 @@ QUICK = {
     ],
     "response_surface": ["--runs", "8", "--jobs=1"],
     "shape_of_the_law": ["--angle", "56", "--laws", "2"],
+    "which_tooth": ["--size", "0.8", "--film", "elastic", "--angle", "56"],
     "fit_a_curve": ["--travel", "2", "--jobs=1"],
 }
 """Arguments by example, in the order of the gallery: seconds each instead of minutes. An example

@@ -220,3 +220,19 @@ def test_fit_a_curve(run_example, tmp_path):
     fitted = re.search(r"cohesive.plateau +12 +([\d.]+) ", said)
     assert float(fitted[1]) == pytest.approx(9.5, rel=0.03)  # the noise is 3 % at a point
     assert (tmp_path / "fit.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow  # ten minutes on two cores
+def test_which_tooth(run_example, tmp_path):
+    pytest.importorskip("gmsh", exc_type=ImportError)
+    pytest.importorskip("optuna")
+    said = run_example("which_tooth.py", tmp_path)
+    found = figures(tmp_path / "search" / "optimum.json")
+    assert "cap_70.step" in said.splitlines()[0]
+    for given, best in (found["compared"], found["confirmed"]):
+        # The steeper edge takes 3 to 6 % less, outside the ± of both, on both films.
+        assert 0.94 < best["figure"] / given["figure"] < 0.97
+        spread = (best["half_width"] ** 2 + given["half_width"] ** 2) ** 0.5
+        assert given["figure"] - best["figure"] > spread
+    assert "no difference" not in said
+    assert (tmp_path / "which_tooth.png").stat().st_size > 10_000

@@ -288,11 +288,11 @@ def test_waiting_misses_nothing():
     while waits.motion.coordinate(waits.state.time) < 0.1:
         for t in (looks.contact, term(looks)):
             if t.tables is not None:
-                t.tables.table.looks.until[:] = 0.0
+                t.tables.table.queries.until[:] = 0.0
         waits.step()
         looks.step()
         table = term(waits).tables.table
-        waited += int((table.looks.until > table.clock.walked[0]).sum())
+        waited += int((table.queries.until > table.clock.walked[0]).sum())
         for mine, other in zip(term(waits).forces[1:4], term(looks).forces[1:4], strict=True):
             assert mine == pytest.approx(other, rel=1e-6, abs=1e-9)
     assert waited > waits.state.step

@@ -437,7 +437,7 @@ def test_what_a_look_remembers_changes_round_off_only(tool):
         kept = "side", "depth", "offset", "place", "work", "force"
         before = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         forces, result = evaluate(contact, state)
-        remembered += np.count_nonzero(contact.tables.table.looks.across >= 0)
+        remembered += np.count_nonzero(contact.tables.table.queries.across >= 0)
         after = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         for name, rows in before.items():
             getattr(state.node, f"contact_{name}")[:] = rows

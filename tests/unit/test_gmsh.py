@@ -44,7 +44,8 @@ def test_what_is_turned_or_repeated_is_said(caplog):
     assert told == [
         "groups without a name, though others have one, are called curve_4",
         "4 cells are listed once per group, kept once",
-        'no unit given: taken as mm, the film is 5 mm across; unit="..." says otherwise',
+        'no unit given: taken as mm, the film is 5 mm across; unit="..." says otherwise, '
+        'unit="in" would make it 127 mm',
         "4 of 10 quads are turned over to agree with their neighbours",
     ]
 

@@ -76,7 +76,7 @@ def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
     assert "distrust: a film must be able to carry the strength" in caplog.text
 
 
-NO_RUN_OF_THEIR_OWN = "Statics(", "sweep("
+NO_RUN_OF_THEIR_OWN = "Statics(", "sweep(", "optimise("
 CUTTING = [
     path.stem
     for path in sorted(EXAMPLES.glob("*.py"))

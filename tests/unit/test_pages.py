@@ -207,6 +207,9 @@ PAGES = {
         said=r"film 1\.[34]\d N mm\nResults of 'cut' in out(.*\n)*deflection 0\.2[01]",
         left="yielding/summary.json",
     ),
+    "docs/howto/loose.md": Page(
+        (a_run,), said=r"^[\d.]+ 0\.0 4\.0 [\d.]+$", left="teeth/optimum.json"
+    ),
     "docs/howto/model-file.md": Page(said=r"Mesh\(", left="cap.toml cap.png out used.toml"),
     "docs/howto/optimise.md": Page(
         (caps,),
@@ -215,7 +218,7 @@ PAGES = {
     ),
     "docs/howto/own-film.md": Page(
         (a_disc,),
-        said=r"node_sets=\['rim'\], quad_sets=\['film'\](.*\n)*\['hole_1', 'outline'\]",
+        said=r"node_sets=\['rim'\], quad_sets=\['film'\](.*\n)*\['hole_1', 'outline', 'rim'\]",
         left="film.png out",
     ),
     "docs/howto/own-tool.md": Page(
@@ -230,6 +233,9 @@ PAGES = {
     "docs/howto/pierce.md": Page(said=r"0\.3909\d*\n0\.2162\d*\n{'piercing_force_1_N': 0\.393"),
     "docs/howto/read-results.md": Page((a_run,), said="Results of 'opening'", left="torque.png"),
     "docs/howto/resume.md": Page((a_stopped_run,), left="out/summary.json checkpoint.h5"),
+    "docs/howto/sharp.md": Page(
+        said=r"radius 0\.02 mm severs cables at 14\.4 N/mm; from 0\.2625 mm", left="sharp"
+    ),
     "docs/howto/slow.md": Page(left="out slow_0.004 slow_0.001 fast"),
     "docs/howto/studies.md": Page(left="out/report.html out/table.csv wedges/report.html openings"),
     "docs/howto/tear.md": Page(left="out thin tear.toml"),
@@ -286,7 +292,7 @@ def test_page(name, tmp_path, monkeypatch, capsys, caplog):
                 shorter = " ".join(options for part, options in SHORTER.items() if part in line)
                 said += shell(line.partition(" #")[0], tmp_path, shorter)
     print(said)
-    assert re.search(page.said, said), f"nothing like {page.said!r}"
+    assert re.search(page.said, said, re.MULTILINE), f"nothing like {page.said!r}"
     assert [left for left in page.left.split() if not (tmp_path / left).exists()] == []
     doubts = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
     assert [text for text in doubts if text.startswith("distrust")] == []

@@ -49,7 +49,7 @@ BESIDE = {
 EXPECTED = {
     "fracture/tip_force.py": ["@"],  # a sparse matrix, by SciPy's own loops
     "tool/rounded_depth.py": ["@", "@"],  # sparse matrices, by SciPy's own loops
-    "unit.py": ["one ** power"],  # of fractions
+    "unit.py": ["factor ** power"],  # of fractions
 }
 """What is left in a file."""
 

@@ -362,6 +362,7 @@ def plane_strip(slit=10.0, **more):
         supports=[sc.Support.clamped("right"), flat],
         law=sc.CohesiveLaw(strength=1e5),
         fracture=sc.Fracture(path="free", fibres=0),
+        damping_beta=5e-8,
         **more,
     )
     sim.notch((-1.0, 0.0, 0.0), (slit, 0.0, 0.0))

@@ -38,7 +38,10 @@ def _cut(
     blade = straight_blade(length=4.0, height=3.0).translated((-0.05, y + beside, 0.0))
     along = sc.Fracture(path="edges", criterion=criterion)
     contact = sc.Contact(film_edges=film_edges)
-    sim = cut_by(blade, mesh, 12000.0, ramp=5e-5, fracture=along, contact=contact)
+    # So fast a blade beside the line throws the film: with 5.1e-8 s contact gives it 1.6 % of the
+    # work, with 7.7e-8 s 2 %, where it gives none here (docs/limits.md).
+    given = {"fracture": along, "contact": contact, "damping_beta": 5e-8}
+    sim = cut_by(blade, mesh, 12000.0, ramp=5e-5, **given)
 
     def gone(one: sc.Simulation) -> bool:
         return one.motion.coordinate(one.state.time) >= PATH

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -22,7 +22,9 @@ from shellcut.loads.supports import choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import mesh_from_outline
 from shellcut.mesh.placed import placed
+from shellcut.mesh.structured import OpeningName
 from shellcut.models import Case, free_cut, guillotine, opening_test, oscillating, trouser
+from shellcut.models.case import PAPER_DAMPING, damped_by
 from shellcut.models.guillotine import blade_before
 from shellcut.models.oscillating import duration_of as oscillating_time
 from shellcut.models.oscillating import film_before
@@ -46,6 +48,7 @@ BUILDERS: dict[str, Callable[..., Case]] = {
     "trouser": trouser,
     "oscillating": oscillating,
 }
+_DISCS = get_args(OpeningName)
 _OWNERS = (*BUILDERS.values(), Simulation)
 
 _ARGUMENTS = {
@@ -150,6 +153,8 @@ def _arguments(model: Model) -> dict[str, Any]:
     with _blame(model, ("membrane",), "clamp"):
         for name in given.get("clamp", ()):
             film.node_set(name)
+    if model.head.model == "opening" and model.sections["membrane"].values.get("mesh") in _DISCS:
+        given = damped_by(PAPER_DAMPING, given)  # as the builder does that is given the name
     if model.head.model == "free":
         given.setdefault("duration", duration_of(model.sections["motion"], given["motion"]))
     for title, several in model.lists.items():
