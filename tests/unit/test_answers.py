@@ -66,7 +66,7 @@ def test_a_loose_piece_is_told_with_its_area_and_place(tmp_path):
         node_sets={"end": [0, 6]},
     )
     film, law = sc.ShellMaterial.homogeneous(), sc.CohesiveLaw()
-    moved = sc.Support("end", velocity={"z": 1.0})
+    moved = sc.Support("end", velocity={"z": lambda time: 1.0})
     sim = Simulation(mesh, film, law=law, supports=[moved])
     Case("pieces", sim, 2.0 * sim.dt).run(tmp_path / "out", progress=False, force=True)
     summary = sc.read(tmp_path / "out").summary

@@ -418,7 +418,7 @@ def test_a_file_that_has_changed_since_is_found(tmp_path, monkeypatch):
 
 
 def test_a_free_model_cuts_as_the_guillotine_does(write):
-    # A free model is damped by a share of critical, the strips of the guillotine by the paper's time.
+    # Free models are damped by a share of critical, strips of the guillotine by a time.
     case = read_model(write(FREE), {"damping.beta": 5e-8}).build()
     same = guillotine(0.5, length=6.0, width=4.0, notch=1.0, travel=2.7)
     mine, other = (one.simulation.cracks.tips for one in (case, same))

@@ -194,8 +194,8 @@ def parts_quad(
     quad, chord : tables of one row and two rays, written.  x, t : (n_node, 3).  quads :
     (n_quad, 4).  normal : of the plane.  size : edge length [mm].
     """
-    if quad.sides_only or abs(xi) > 1.0 - 2.0 * AWAY or abs(eta) > 1.0 - 2.0 * AWAY:
-        return True  # on a side to within round-off: the rules themselves decide
+    if quad.sides_only:
+        return True  # sides are broken from nodes: the rule of cracks along sides decides
     quad.size[0], quad.entry[0, 0], quad.entry[0, 1] = size, xi, eta
     for a in range(4):
         quad.nodes[0, a] = quads[e, a]
@@ -211,6 +211,17 @@ def parts_quad(
         together = together or (_is_on(chord, 0, side) and _is_on(chord, 1, side))
     at_corners = chord.target[0, KIND] == AT_POINT and chord.target[1, KIND] == AT_POINT
     return not together or (at_corners and chord.target[0, PLACE] != chord.target[1, PLACE])
+
+
+@inline
+def _off_sides(coordinate: float) -> float:
+    """Return a coordinate in a quad, of a place on a side that of one just beside it.
+
+    Of an edge that runs along a side of the mesh round-off decides on which side of it the place
+    lies. Beside it the chord leads to the corners of this side, which is broken.
+    """
+    within = 1.0 - 4.0 * AWAY
+    return min(max(coordinate, -within), within)
 
 
 @inline
@@ -277,6 +288,7 @@ def _entered(
                     xi, eta = 2.0 * w1 - 1.0, 2.0 * (w1 + w2) - 1.0
                 if not hit:
                     continue
+                xi, eta = _off_sides(xi), _off_sides(eta)
                 plane = turn(segment_part(segments, k, NORMAL), pose)
                 if parts_quad(quad, chord, x, t, quads, e, xi, eta, plane, math.sqrt(area[e])):
                     row[n_found], segment[n_found] = e, k
