@@ -53,7 +53,7 @@ def _level(summary: Summary, name: str, asked: str) -> Iterator[tuple[str, str]]
     if why := summary.get("no_window"):
         said.append(f"no mean: {why}")
     doubtful = {mean, peak} & {*distrusted_figures(summary)}
-    yield asked, "; ".join(said) + (" (distrust: it depends on the mesh)" if doubtful else "")
+    yield asked, "; ".join(said) + (" (distrust it, the mesh decides it)" if doubtful else "")
 
 
 def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:
