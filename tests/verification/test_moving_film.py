@@ -98,6 +98,7 @@ def cut(folder, film, tool, until, round_it=False):
         fracture=sc.Fracture(path="free"),
         velocity=film.start(mesh),
         damping_alpha=0.0,
+        damping_beta=5e-8,
         imperfection=0,
     )
     sim.notch(*notch)
