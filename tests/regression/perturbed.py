@@ -22,14 +22,21 @@ from films import unstructured_disc
 from runs import broken_ratio, run
 from shellcut import Mesh, guillotine, opening_test
 from shellcut.mesh.structured import opening_disc
+from shellcut.models.case import PAPER_DAMPING
 from shellcut.models.guillotine import strip_of
 
 MOVED = 1e-9
 """[mm], a picometre."""
 
+DAMPED = {"damping_beta": PAPER_DAMPING}
+"""As the package's disc and strip are that these films are, but for a picometre."""
+
 MODELS = {
-    "quick": (lambda: opening_disc("quick"), opening_test),
-    "guillotine": (lambda: strip_of(30.0, 8.0, 0.8), lambda mesh: guillotine(mesh=mesh)),
+    "quick": (lambda: opening_disc("quick"), lambda mesh: opening_test(mesh, **DAMPED)),
+    "guillotine": (
+        lambda: strip_of(30.0, 8.0, 0.8),
+        lambda mesh: guillotine(mesh=mesh, **DAMPED),
+    ),
     "free": (unstructured_disc, opening_test),
 }
 """Film and case: the quick opening; the guillotine on 0.8 mm quads; the opening through the quads
