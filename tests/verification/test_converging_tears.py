@@ -111,7 +111,7 @@ def test_two_tears_that_converge_pinch_the_strip_off():
 
 
 @functools.cache
-def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0):
+def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0, tolerance=1e-3):
     """Return a flap that hangs upright by F = 2 G h, its energy less the load's, and F."""
     load = 2.0 * SHORT.fracture_energy * THICKNESS
     mesh = from_zero(rectangle(length, width, size=size))
@@ -140,7 +140,7 @@ def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0):
     moved[ids, 0] = s - radius * np.sin(angle)
     moved[ids, 2] = radius * (1.0 - np.cos(angle)) + s - radius * angle
     node.t[ids] = np.stack([np.sin(angle), 0.0 * angle, np.cos(angle)], axis=1)
-    sim.relax(moved, tolerance=1e-3)
+    sim.relax(moved, tolerance=tolerance)
     stored = sim.shell.add_forces(sim.state).strain_energy
     return sim, stored - load * node.x[end, 2].mean(), load
 
@@ -182,7 +182,9 @@ def test_a_tear_beside_a_fold_goes_where_energy_is_released():
 def test_the_force_on_the_tips_of_a_fold_follows_the_power_law():
     """Each tear leans by tan a = J_y / J_x, and -dw/dx = 2 tan a ~ w^(1 - 1/m)."""
     w = np.array([2.0, 4.0, 8.0])
-    J = np.array([force_on_a_tip(fold_at_rest(0.25, b, b + 12.0)[0], 2.0) for b in w])
+    # At rest to 1e-4 of the load: at 1e-3 the exponent is anywhere from 0.69 to 0.74.
+    folds = [fold_at_rest(0.25, b, b + 12.0, tolerance=1e-4)[0] for b in w]
+    J = np.array([force_on_a_tip(fold, 2.0) for fold in folds])
     falls = np.polyfit(np.log(w), np.log(J[:, 1] / J[:, 0]), 1)[0]
     exponent = 1.0 / (1.0 - falls)
     assert exponent == pytest.approx(8.0 / 11.0, abs=0.03)  # by [Brau2014]

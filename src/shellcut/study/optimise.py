@@ -157,6 +157,8 @@ class Optimum:
             first, again, *second = self.confirmed
             names = ["as given", *("second best" for _ in second)]
             for name, other in zip(names, (first, *second), strict=True):
+                if other.folder == again.folder:
+                    continue
                 lines += [f"{self.where}: {line}" for line in self._against(other, again, name)]
         elif self.unconfirmed:
             lines.append(f"not run on a finer film: {self.unconfirmed}")
