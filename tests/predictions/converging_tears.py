@@ -160,7 +160,7 @@ millionth of the thickness.""",
 m rises with the quads in the fold, in both films alike, and comes to the published band at four.
 That was seen after the runs, so it is no prediction. A law of half the length gives 0.738 on quads
 of 0.25 mm, half the speed 0.575 on 0.5 mm. The force on the tips of a fold at rest has the exponent
-0.735 on quads of 0.25 mm (`test_converging_tears.py`).
+0.709 on quads of 0.25 mm (`test_converging_tears.py`).
 
 **Why it scatters.** Runs that differ by a millionth of the thickness keep within 0.1 mm of each
 other until the strip is 4 mm wide, and differ by half a millimetre at 1 mm. The last piece parts
