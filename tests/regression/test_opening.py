@@ -215,7 +215,7 @@ def test_mesh_that_ignores_the_path_is_reported(tmp_path):
     late = (history["angle"] >= 30.0) & (history["angle"] <= 70.0)
     grown, work = (np.ptp(history[name][late]) for name in ("crack_length", "cohesive_work"))
     assert grown * 43.5 * 0.074 > 1.4 * steady_work_per_radian() * np.radians(40.0)
-    assert work < 0.8 * 43.5 * 0.074 * grown
+    assert work / (43.5 * 0.074 * grown) == pytest.approx(0.34, abs=0.1)
     assert summary["n_tear"] > 0.5 * len(case.simulation.state.splits)
     assert history["cohesive_work"][-1] < 43.5 * 0.074 * history["crack_length"][-1]
     ratio = broken_ratio(case)

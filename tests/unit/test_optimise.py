@@ -10,6 +10,7 @@ import shellcut as sc
 from shellcut.command_line import main
 from shellcut.results.cut_quality import UNITS
 from shellcut.results.summary_figures import known_figure
+from shellcut.study.converge import NoFinerFilm, finer_film
 from shellcut.study.optimise import OPTIMUM, Optimum, Trial
 from tiny_study import SETTINGS, in_words
 
@@ -228,3 +229,10 @@ def test_runs_without_a_result_are_told_how_to_go_on(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "none of study.toml, fit.json, optimum.json" in said
     assert "the same call goes on" in said
+
+
+@pytest.mark.parametrize("film", [{"mesh": "M2"}, {"membrane.radius": 10.2, "n_side": 1}])
+def test_a_model_without_a_finer_film_says_so(film):
+    with pytest.raises(NoFinerFilm, match="no finer mesh of its kind"):
+        finer_film(sc.read_model("opening", film))
+    assert finer_film(sc.read_model("opening", {"mesh": "M1"})) == {"membrane.mesh": "M2"}

@@ -389,7 +389,7 @@ class CohesiveLaw(CohesiveTable):
     openings: Sequence[float] = field(init=False, repr=False, compare=False)
     tractions: Sequence[float] = field(init=False, repr=False, compare=False)
     strength: Strength = 18.0
-    plateau: Annotated[float, Option("MPa", "sigma_C, held from l_A to l_P", above=0)] = 12.0
+    plateau: Annotated[float, Option("MPa", "sigma_C, constant from l_A to l_P", above=0)] = 12.0
     opening_a: Annotated[float, Option("mm", "l_A, end of the drop", above=0)] = 0.5
     opening_p: Annotated[float, Option("mm", "l_P, end of the plateau", above=0)] = 3.0
     opening_u: End = 4.0

@@ -75,7 +75,7 @@ def _slips(mesh: Mesh, tool: Tool, motion: Motion) -> Iterator[_Change]:
 def _moves(mesh: Mesh, tool: Tool, motion: Motion, until: float) -> Iterator[_Change]:
     """Yield it with a flat film moved to the edges: along its normal, or under their middle too.
 
-    A tool that moves the same way needs no turn: it goes straight, or the shift is along its axis.
+    The tool may be moved instead where it goes straight, or the shift is along its axis.
     """
     normal = plane_normal(mesh.nodes, mesh.quads)
     if normal is None:

@@ -172,10 +172,10 @@ class Sweep:
             lead[among] = np.where(passed, way[:, among], np.inf).min(axis=0)
         return lead
 
-    def way(self, ahead: float) -> Floats:
-        """Return points on the path and on its ways beyond each end, shape (n, 3), [mm].
+    def path_points(self, ahead: float) -> Floats:
+        """Return points on the path and on its continuation beyond each end, shape (n, 3), [mm].
 
-        A way is as long as ``ahead`` [mm], on the circle through the last places, or straight.
+        It goes on by ``ahead`` [mm], on the circle through the last places, or straight.
         """
         found = [self.place]
         for k in range(len(self.fates)):

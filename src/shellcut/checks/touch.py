@@ -30,7 +30,7 @@ def check_touch(sim: Simulation, until: float, remedy: str = "") -> Iterator[Fin
     """Yield a doubt if the tool stays away from the film, which nothing else deforms.
 
     Where it comes nearer than the points can tell, or than it goes on in a step of the motion, it
-    may touch. A remedy that is known is named; else the way to the nearest place.
+    may touch. A remedy that is known is named; else the distance to the nearest place.
     """
     tool, motion = sim.tool, sim.motion_in_film(until)
     if tool is None or motion is None or sim.inputs["loads"] or _changes_shape(sim, until):

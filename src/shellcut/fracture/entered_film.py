@@ -42,6 +42,9 @@ it."""
 # Sine of the angle to the film up to which an edge lies on it, and enters over no border.
 _FLAT = 0.1
 
+# Coordinate in a quad that is clearly within: places nearer than 2 AWAY to a side count as on it.
+_WITHIN = 1.0 - 4.0 * AWAY
+
 # Rows that are tested, for each tooth.
 _CANDIDATES = 4
 
@@ -220,8 +223,7 @@ def _off_sides(coordinate: float) -> float:
     Of an edge that runs along a side of the mesh round-off decides on which side of it the place
     lies. Beside it the chord leads to the corners of this side, which is broken.
     """
-    within = 1.0 - 4.0 * AWAY
-    return min(max(coordinate, -within), within)
+    return min(max(coordinate, -_WITHIN), _WITHIN)
 
 
 @inline

@@ -34,15 +34,15 @@ def main(given: str, out: str) -> None:
     import numpy as np
 
     with np.load(given) as file:
-        held = dict(file)
-    loops = [held[f"loop_{k}"] for k in range(len(held)) if f"loop_{k}" in held]
+        content = dict(file)
+    loops = [content[f"loop_{k}"] for k in range(len(content)) if f"loop_{k}" in content]
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     for name, value in _OPTIONS.items():
         gmsh.option.setNumber(name, value)
     answer: dict[str, Any] = {}
     for algorithm in _ALGORITHMS:
-        scales = _SCALES if "near_0" in held else (1.0,)
-        tries = [_meshed(gmsh, loops, held, algorithm, scale) for scale in scales]
+        scales = _SCALES if "near_0" in content else (1.0,)
+        tries = [_meshed(gmsh, loops, content, algorithm, scale) for scale in scales]
         answer = max(tries, key=_narrowest)
         if not answer["n_triangle"]:
             break
@@ -63,11 +63,11 @@ def _narrowest(answer: dict[str, Any]) -> float:
 
 
 def _meshed(
-    gmsh: Any, loops: list[Any], held: dict[str, Any], algorithm: int, scale: float
+    gmsh: Any, loops: list[Any], content: dict[str, Any], algorithm: int, scale: float
 ) -> dict[str, Any]:
     import numpy as np
 
-    size = float(held["size"])
+    size = float(content["size"])
     gmsh.clear()
     gmsh.option.setNumber("Mesh.Algorithm", algorithm)
     geo = gmsh.model.geo
@@ -81,8 +81,8 @@ def _meshed(
         point_tags.append(points)
     geo.addPlaneSurface(curve_loops)
     geo.synchronize()
-    if "near_0" in held:
-        _set_field(gmsh, held, scale, size)
+    if "near_0" in content:
+        _set_field(gmsh, content, scale, size)
     gmsh.model.mesh.generate(2)
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
@@ -96,7 +96,7 @@ def _meshed(
         for k, points in enumerate(point_tags)
     }
     nodes, quads = xyz.reshape(-1, 3)[:, :2], corners[3]
-    if "near_0" in held and len(quads):  # without the points of the field
+    if "near_0" in content and len(quads):  # without the points of the field
         used, quads = np.unique(quads, return_inverse=True)
         place = np.searchsorted(used, np.arange(len(nodes)))
         rims = {name: place[rim] for name, rim in rims.items()}
@@ -104,11 +104,11 @@ def _meshed(
     return {"nodes": nodes, "quads": quads, "n_triangle": len(corners[2]), **rims}
 
 
-def _set_field(gmsh: Any, held: dict[str, Any], scale: float, size: float) -> None:
-    field, growth, rises = gmsh.model.mesh.field, float(held["growth"]), []
-    for k in range(sum(name.startswith("near_") for name in held)):
-        least, band = scale * float(held[f"size_{k}"]), float(held[f"band_{k}"])
-        points = [gmsh.model.geo.addPoint(x, y, 0.0) for x, y in held[f"near_{k}"].tolist()]
+def _set_field(gmsh: Any, content: dict[str, Any], scale: float, size: float) -> None:
+    field, growth, rises = gmsh.model.mesh.field, float(content["growth"]), []
+    for k in range(sum(name.startswith("near_") for name in content)):
+        least, band = scale * float(content[f"size_{k}"]), float(content[f"band_{k}"])
+        points = [gmsh.model.geo.addPoint(x, y, 0.0) for x, y in content[f"near_{k}"].tolist()]
         distance, rise = field.add("Distance"), field.add("Threshold")
         field.setNumbers(distance, "PointsList", points)
         field.setNumber(rise, "InField", distance)

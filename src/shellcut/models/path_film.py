@@ -24,7 +24,7 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
 AHEAD = 2.0
-"""Way beyond each end of the path along which quads are small [mm]: a crack leads the edge."""
+"""Distance beyond each end of the path along which quads are small [mm]: a crack leads the edge."""
 
 FAR = 8.0
 """Sides far from the path over those under it, if nothing else is said."""
@@ -73,7 +73,7 @@ def film_along_path(
     """Return a flat film, z = 0, with small quads where the cutting edges pass, by Gmsh.
 
     They are small along the path of the edges during the motion and 2 mm beyond its ends, and grow
-    away from it by a quarter of the way.
+    away from it by a quarter of the distance.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def _path(
     for one in tools:
         if one.n_edge:
             sweep = Sweep.of(around, one, motion, duration)
-            found.append(sweep.way(AHEAD)[:, :2])
+            found.append(sweep.path_points(AHEAD)[:, :2])
     points = np.concatenate(found)
     shapely = shapely_or_error()
     film = shapely.Polygon(outline, holes)

@@ -195,7 +195,7 @@ def finer_film(model: Model) -> Settings:
     """Return the keys of a model on a finer film; :class:`NoFinerFilm` says why there is none."""
     finer = [keys for run, keys in _meshes(model, _RATIO).items() if run.size < 1.0]
     if not finer:
-        raise NoFinerFilm(f"there is none finer than {model.sections['membrane'].mesh}")
+        raise NoFinerFilm("there is no finer mesh of its kind")
     return finer[0]
 
 
