@@ -36,7 +36,7 @@ HALF_THICKNESS = tooth_ring().half_thickness()
         ),
         ("the cutting edge slower", [steps.OF_WAVE]),
         ('with `path = "edges"`', [path.OFF_ROW]),
-        ("quads on the way with", [path.BENDS]),
+        ("quads under the path with", [path.BENDS]),
     ],
 )
 def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
