@@ -27,7 +27,8 @@ FORBIDDEN = {
     r"goes|comes|stands": "continues, is placed, is, moves",
     r"slow tests": "quasi-static runs",
     r"same bits": "bitwise identical, reproducible",
-    r"edges? of (a|the) (quad|element|film)s?|(quad|element)s?'? edges?|rows? of edges": "side, border",
+    r"edges? of (a|the) (quad|element|film)s?|(quad|element)s?'? edges?": "side, border",
+    r"rows? of edges": "row of sides",
     r"told": "given, stated",
     r"hangs on": "depends on",
 }
@@ -58,7 +59,7 @@ def prose(text):
 
 
 def sentences(text):
-    """Return the sentences of a page: its paragraphs, list items and table cells, cut at full stops."""
+    """Return the sentences of a page: of its paragraphs, list items and table cells."""
     found = []
     for block in re.split(r"\n\s*\n|\n(?=\s*[-*+#>|]|\s*\d+\. )|(?<=\S)\s*\|", prose(text)):
         for sentence in re.split(r"(?<=[.:;?!])\s+", block):
