@@ -19,6 +19,7 @@ with Importing():
     from .contact.settings import Contact
     from .fracture.anisotropy import Anisotropy
     from .fracture.options import Fracture
+    from .loads.adhesion import Adhesion
     from .loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure
     from .loads.supports import Support
     from .material import (
@@ -76,6 +77,7 @@ with Importing():
 __version__ = version("shellcut")
 
 __all__ = [
+    "Adhesion",
     "Anisotropy",
     "Booking",
     "CohesiveLaw",

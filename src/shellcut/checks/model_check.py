@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shellcut.arguments import checked
+from shellcut.arrays import Bools
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
+from .glue import check_glue
 from .hold import check_held_film, check_hold
 from .path import check_path, check_sides
 from .piercing import check_piercing
@@ -72,6 +74,13 @@ class ModelCheck:
             _log.warning("note: %s", finding)
 
 
+def support_of(sim: Simulation) -> Bools:
+    """Return the fixed components of each node of the mesh, by supports and glue, (n_node, 6)."""
+    support = sim.state.node.support[: sim.mesh.n_node].copy()
+    support[sim.terms.fixed_nodes(sim.state), :3] = True
+    return support
+
+
 @checked
 def check_model(simulation: Simulation, until: float) -> ModelCheck:
     """Check a model before its run; nothing in it is changed.
@@ -106,9 +115,10 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
 
 def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Finding]:
     mesh, law = sim.mesh, sim.law
-    support = sim.state.node.support[: mesh.n_node]
+    support = support_of(sim)
     yield from check_numbers(mesh, sim.material, law, sim.tool)
     yield from check_strength(sim.material, law)
+    yield from check_glue(mesh, sim.material, sim.terms)
     if sim.tool is None:
         return
     if sim.motion is not None:

@@ -31,6 +31,7 @@ from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import TEAR, KnownTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
+from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -72,6 +73,8 @@ class Cracks:
         By which the tool presses on the sheet.
     moved : FilmMotion, optional
         Of a film that its supports move.
+    terms : sequence of ForceTerm
+        Those that may put forces on the nodes from single rows.
     """
 
     def __init__(
@@ -85,6 +88,7 @@ class Cracks:
         motion: Motion | None = None,
         points: PointContact | None = None,
         moved: FilmMotion | None = None,
+        terms: Sequence[ForceTerm] = (),
     ) -> None:
         anisotropy, fibres = fracture.anisotropy, fracture.fibres
         if fibres is None:
@@ -97,7 +101,7 @@ class Cracks:
         topology = self.cuts.topology
         self._film = CutFilm(topology, shell, sides_only=fracture.path == "edges")
         self._path = CrackPath(self._film)
-        self._trial = TrialCut(topology, shell, loads, law.strength, anisotropy)
+        self._trial = TrialCut(topology, shell, loads, law.strength, anisotropy, terms)
         self._sums = TrialSums(self._trial)
         self.growth = Growth(
             state, self.cuts, self._path, self._sums, exactly=fracture.equilibrium_start

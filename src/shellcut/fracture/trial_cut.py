@@ -42,6 +42,7 @@ from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
+from shellcut.tool.force_term import ForceTerm
 
 from .anisotropy import Anisotropy, factor_along
 from .cut_state import parted, rows_along, side_under
@@ -91,7 +92,7 @@ class Pair(NamedTuple):
 class TrialCut:
     """Tries cuts on a topology, which is as it was when a trial is over.
 
-    Shell and loads give the nodal forces, sigma_F [MPa] is the strength.
+    Shell, loads and force terms give the nodal forces, sigma_F [MPa] is the strength.
     """
 
     def __init__(
@@ -101,8 +102,10 @@ class TrialCut:
         loads: LoadSet,
         strength: float,
         anisotropy: Anisotropy | None = None,
+        terms: Sequence[ForceTerm] = (),
     ) -> None:
-        self.topology, self._shell, self._loads = topology, shell, loads
+        self.topology, self._shell = topology, shell
+        self._sources = (loads, *terms)
         self.anisotropy, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
@@ -114,7 +117,8 @@ class TrialCut:
     def corner_forces(self, state: State, rows: Ints, nodes: Ints) -> Floats:
         """Return the forces of whole rows on one of their nodes each [N], shape (n, 3)."""
         force = self._shell.corner_forces(state, rows, nodes)
-        self._loads.add_corner_forces(state, rows, nodes, force)
+        for source in self._sources:
+            source.add_corner_forces(state, rows, nodes, force)
         return force
 
     def pairs(self, state: State, segment: Segment) -> list[Pair]:

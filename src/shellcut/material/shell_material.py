@@ -12,6 +12,7 @@ import numpy as np
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product
 from shellcut.card import Figures, card, figures_of, section
+from shellcut.numerics.small_matrices import inverse
 
 from .elastic import Elastic
 from .material import Material, refuse
@@ -211,6 +212,14 @@ class ShellMaterial:
         """A, the integral of C over the thickness, shape (3, 3) [N/mm]."""
         points = zip(*self.thickness_points(), strict=True)
         return np.asarray(np.sum([w * law.plane_stress() for _, w, law in points], axis=0))
+
+    @property
+    def bending_stiffness(self) -> Floats:
+        """Stiffness against bending about the neutral plane, shape (3, 3) [N*mm]."""
+        z, weight, materials = self.thickness_points()
+        laws = np.array([law.plane_stress() for law in materials])
+        coupling, second = (np.einsum("i,ijk->jk", weight * z**k, laws) for k in (1, 2))
+        return np.asarray(second - product(coupling, inverse(self.membrane_stiffness), coupling))
 
     @property
     def shear_stiffness(self) -> Floats:

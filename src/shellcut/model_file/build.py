@@ -60,6 +60,7 @@ _ARGUMENTS = {
     "contact": "contact",
     "fracture": "fracture",
     "time": "stepping",
+    "adhesion": "terms",
 }
 """Argument of a builder for what is made of a section."""
 
@@ -158,14 +159,14 @@ def _arguments(model: Model) -> dict[str, Any]:
     if model.head.model == "free":
         given.setdefault("duration", duration_of(model.sections["motion"], given["motion"]))
     for title, several in model.lists.items():
-        given[title] = []
+        made_of = given[_ARGUMENTS.get(title, title)] = []
         for n, one in enumerate(several):
             with _blame(model, (title, n)):
                 if one.values.get("nodes") is not None:
                     choose_nodes(film, one.nodes)
-                if one.values.get("quads") is not None:
+                if isinstance(one.values.get("quads"), str):
                     film.quad_set(one.quads)
-                given[title].append(one.made())
+                made_of.append(one.made())
     return given
 
 

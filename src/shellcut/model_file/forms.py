@@ -103,6 +103,7 @@ FORMS = {
     "whole numbers": Form("an array of whole numbers", tuple[int, ...]),
     "names": Form("a name or an array of names", str | tuple[str, ...]),
     "nodes": Form("the name of a node set or an array of node ids", str | tuple[int, ...]),
+    "quads": Form("the name of a quad set or an array of quad ids", str | tuple[int, ...]),
     "axes": Form("of the letters x, y, z", str, "[xyz]*"),
     "unit": Form("a name of a unit, or its length in mm", str | float),
     "direction": Form('"x", "y", "z", "-x", ... or 3 numbers', str | _3_NUMBERS),

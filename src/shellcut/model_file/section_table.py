@@ -14,6 +14,7 @@ from shellcut.arguments import declared
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import NO_IMPRINT, Fracture
+from shellcut.loads.adhesion import Adhesion
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure, steady
 from shellcut.loads.supports import Ramped, Support
 from shellcut.mesh.drawing import read_drawing
@@ -411,6 +412,11 @@ LOADS = (
     ),
 )
 
+ADHESION = Kind(
+    "Film glued to a rigid base where it lies at first, any number of [[adhesion]].",
+    keys_of(Adhesion),
+    Adhesion,
+)
 
 # --- the models ----------------------------------------------------------------------------------
 
@@ -522,7 +528,11 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
 
 
 LISTS: Mapping[str, Mapping[str, Kinds]] = {
-    model: {**({"supports": (SUPPORT,)} if model == "free" else {}), "loads": LOADS}
+    model: {
+        **({"supports": (SUPPORT,)} if model == "free" else {}),
+        "loads": LOADS,
+        "adhesion": (ADHESION,),
+    }
     for model in SECTIONS
 }
 """By model: the sections that may occur several times, like [[loads]]."""

@@ -47,6 +47,8 @@ class Exposure:
     _stresses: tuple[FaceStresses, dict[str, Floats]] | None
     """Of a film that is not linear. They take the shell's blocks, which follow the state they are
     asked for: in another thread they would take them away from the forces."""
+    _shown: Mapping[str, Floats]
+    """Of force terms."""
     _figures: Mapping[str, Any]
 
     @classmethod
@@ -61,10 +63,12 @@ class Exposure:
         )
         cuts = None if sim.cracks is None else sim.cracks.cuts
         drawn = None if cuts is None or cuts.along_sides_only else DrawnFilm.of(s, cuts.topology)
+        state.node.supported[sim.terms.fixed_nodes(s)] = True  # of the copy
         stresses = None
         if not sim.material.is_linear:
             stresses = sim.shell.face_stresses(s), sim.shell.history_means(s)
-        return cls(sim.shell, sim.tool, sim.pose.copied(), state, drawn, stresses, figures)
+        shown = sim.terms.by_row(s)
+        return cls(sim.shell, sim.tool, sim.pose.copied(), state, drawn, stresses, shown, figures)
 
     def frame(self) -> Frame:
         """Return the frame; raises ValueError like :class:`Frame`."""
@@ -85,7 +89,7 @@ class Exposure:
             quad_principal_top=principal[:, 1],
             quad_principal_bottom=principal[:, 2],
             quad_thickness=faces.thickness,
-            quad_history=history,
+            quad_history={**history, **self._shown},
             **_cables(s),
             **_placed(self._tool, self._pose),
             **self._figures,

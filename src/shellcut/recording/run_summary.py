@@ -13,6 +13,7 @@ import scipy
 from shellcut.arrays import Floats, Ints, Numbers, norm, off_segments
 from shellcut.checks import Sweep
 from shellcut.checks.hold import check_hold
+from shellcut.checks.model_check import support_of
 from shellcut.contact.border_contact import BorderContact
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.results.run_figures import run_figures
@@ -91,7 +92,7 @@ def run_summary(
 
 def _loose_pieces(sim: Simulation) -> dict[str, float]:
     """Return their number; of the largest one area and centre in the reference, if there is one."""
-    s, pieces = sim.state, Pieces.of(sim.state)
+    s, pieces = sim.state, Pieces.of(sim.state, sim.terms.fixed_nodes(sim.state))
     parent = s.quad.parent[: s.n_quad]
     area = sim.mesh.quad_areas()[parent] * s.quad.share[: s.n_quad]
     of_piece = np.bincount(pieces.of_row, area, len(pieces.loose))
@@ -147,7 +148,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
         "film_edges": any(isinstance(term, BorderContact) for term in sim.terms),
         "fixed_step": sim.time_step.stepping.fixed is not None,
         "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
-        "unheld": bool([*check_hold(sim.mesh, sim.state.node.support[: sim.mesh.n_node])]),
+        "unheld": bool([*check_hold(sim.mesh, support_of(sim))]),
     }
 
 

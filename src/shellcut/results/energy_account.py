@@ -49,10 +49,11 @@ STORED = Part("strain", "stored in the film", ("strain",))
 ASKED_FOR = (
     CABLES,
     Part("material_dissipated", "yielding or damage of the material", ("material_dissipated",)),
+    Part("adhesion", "glue", ("adhesion_work",)),
     Part("friction", "friction", ("friction_work",)),
     Part("joint_friction", "friction of the cables on the cutting edge", ("joint_friction",)),
 )
-"""What the work of a cut goes into by the laws of film, cables and friction."""
+"""What the work of a cut goes into by the laws of film, cables, glue and friction."""
 
 TAKEN_UP = (
     *ASKED_FOR,
@@ -105,7 +106,7 @@ def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
     figures["imbalance"] = total(PUT_IN, entries) - total(TAKEN_UP, entries)
     if not isfinite(figures["imbalance"]):
         return {}
-    for name in ("contact_stored", "friction_dissipated"):
+    for name in ("contact_stored", "friction_dissipated", "adhesion_dissipated"):
         figures[name] = entries.get(name, 0.0)
     figures["contact_lost"] = figures["contact"] - figures["contact_stored"]
     figures["self_contact_lost"] = figures["self_contact"] - entries.get("self_contact_stored", 0.0)

@@ -107,6 +107,15 @@ class ForceTerms:
                 sums[entry] = sums.get(entry, 0.0) + energy
         return sums
 
+    def fixed_nodes(self, state: State) -> Ints:
+        """Return the nodes that terms keep in place as supports do, ascending."""
+        found = [np.zeros(0, np.int64), *(term.fixed_nodes(state) for term in self._terms)]
+        return np.unique(np.concatenate(found))
+
+    def by_row(self, state: State) -> dict[str, Floats]:
+        """Return the numbers of each quad and copy that terms show in frames, by their names."""
+        return {name: row for term in self._terms for name, row in term.by_row(state).items()}
+
     @property
     def wrench_over_turn(self) -> Floats:
         """Integral over the angle of the wrench in the world's axes and origin, (6,), [N, N·mm].

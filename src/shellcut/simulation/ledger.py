@@ -1,6 +1,6 @@
 """The energy balance: where the work has gone.
 
-    tool + loads + supports  =  kinetic + strain + material + cohesive + joints
+    tool + loads + supports  =  kinetic + strain + material + cohesive + joints + adhesion
                                 + contact + friction + self contact + damping
 
 Each entry is computed from its own forces and increments, none by difference: works are sums of
@@ -45,6 +45,12 @@ class Ledger:
     """Dissipated by the cables, by the law; stored and dissipated make up the work."""
     joint_friction: float = 0.0
     """Work against friction between the cables and the cutting edge."""
+    adhesion_work: float = 0.0
+    """Work that went into the glue between film and base."""
+    adhesion_stored: float = 0.0
+    """What glue and base would give back of it."""
+    adhesion_dissipated: float = 0.0
+    """Dissipated by the glue as it lets go; stored and dissipated make up the work."""
     contact_work: float = 0.0
     """Work that went into the contact from both sides, nodes and tool."""
     contact_stored: float = 0.0

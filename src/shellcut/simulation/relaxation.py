@@ -13,6 +13,8 @@ threefold, and a film that is stopped often enough would fly apart.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shellcut.arrays import Floats, node_rows
@@ -20,6 +22,8 @@ from shellcut.central_difference import CentralDifference
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
+from shellcut.tool.force_term import ForceTerm
+from shellcut.tool.pose import Pose
 
 from .stable_step import StableStep
 
@@ -40,6 +44,7 @@ def find_rest(
     state: State,
     shell: MITC4Shell,
     loads: LoadSet,
+    terms: Sequence[ForceTerm],
     time_step: StableStep,
     displacement: Floats | None,
     *,
@@ -70,6 +75,8 @@ def find_rest(
     for step in range(most_steps):
         loads.begin_forces(state)
         strain = shell.add_forces(state).strain_energy
+        for term in terms:
+            term.add_forces(state, Pose.at_origin())
         if not strain <= most_strain:
             message = _flown_apart(state, shell, step, strain)
             n.x[: n.count], n.t[: n.count], state.history[:] = before

@@ -188,10 +188,11 @@ class Simulation:
         # Contact is first: it uses the forces of the shells, without those of the cables.
         self.contact, touching = contact_terms(tool, contact, *film, self.fracture, part_of)
         own = self_contact_terms(contact, *film, part_of)
+        self._given = [term.for_film(*film, part_of) for term in others]
         self.self_contact = next((term for term in own if isinstance(term, SelfContact)), None)
         """Of the film with itself, if it is switched on."""
         self.terms = ForceTerms(
-            [*touching, self.cables, *own, *others], self.motion, self.film_motion
+            [*touching, self.cables, *own, *self._given], self.motion, self.film_motion
         )
         """All that puts forces on the nodes but shells and loads."""
         self.pose = Pose.at_origin()
@@ -212,6 +213,7 @@ class Simulation:
                 self.motion,
                 next((term for term in self.terms if isinstance(term, PointContact)), None),
                 self.film_motion,
+                self._given,
             )
 
     def _begin(self, imperfection: int) -> None:
@@ -381,6 +383,7 @@ class Simulation:
                 self.state,
                 self.shell,
                 self.loads,
+                self._given,
                 self.time_step,
                 displacement,
                 tolerance=tolerance,

@@ -1,9 +1,9 @@
 """The pieces of a film: connected parts, and which of them have no support.
 
 Quads that share a node belong to the same piece; cables do not count. A piece is *supported* if a
-support fixes one of its nodes, and *loose* if none does. In a film without any support the heaviest
-piece is the film itself, and the others are loose. So a film made of several pieces has none that
-is loose as long as each of them is supported.
+support or glue fixes one of its nodes, and *loose* if none does. In a film without any support the
+heaviest piece is the film itself, and the others are loose. So a film made of several pieces has
+none that is loose as long as each of them is supported.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ class Pieces:
     """Of every piece [t], shape (n_piece,)."""
 
     @classmethod
-    def of(cls, state: State) -> Pieces:
-        """Return the pieces of the film as it is now."""
+    def of(cls, state: State, fixed: Ints | None = None) -> Pieces:
+        """Return the pieces of the film as it is now; ``fixed`` nodes count as supported, too."""
         n, quads = state.node, state.quads
         of_row = _piece_of_rows(quads, n.count)
         count = int(of_row.max(initial=-1)) + 1
@@ -48,6 +48,8 @@ class Pieces:
         mass = np.asarray(np.bincount(of_node[there], n.mass[there], count), float)
         supported = np.zeros(count, np.bool_)
         supported[of_node[there[n.supported[there]]]] = True
+        if fixed is not None:
+            supported[of_node[fixed]] = True
         loose = ~supported
         if loose.all():
             loose[np.argmax(mass)] = False

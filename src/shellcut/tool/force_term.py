@@ -12,17 +12,19 @@ fields of one that is a dataclass, of another only its class.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shellcut.arrays import NodeStiffness, StiffnessBy
+from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy
 
 from .pose import Pose
 from .touch import Booking, Touch
 
 if TYPE_CHECKING:
+    from shellcut.material.shell_material import ShellMaterial
+    from shellcut.mesh.mesh import Mesh
     from shellcut.state import State
 
 
@@ -73,6 +75,16 @@ class ForceTerm:
     """How often it has searched for what it may act on: the time step then evaluates it anew. -1 if
     that changes from step to step; the time step then evaluates it at every check."""
 
+    def for_film(
+        self, mesh: Mesh, material: ShellMaterial, part_of: Callable[[int], Any]
+    ) -> ForceTerm:
+        """Return what acts on a film in its place: itself, if nothing depends on the film.
+
+        part_of : returns the polygon of a row that a crack has cut, points (xi, eta) in order and
+        the side of the quad on which the edge from each lies, -1 for a flank.
+        """
+        return self
+
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
 
@@ -90,6 +102,25 @@ class ForceTerm:
         it may tell only what it adds to them.
         """
         return np.zeros(0, np.int64), np.zeros(0)
+
+    def add_corner_forces(self, state: State, rows: Ints, nodes: Ints, force: Floats) -> None:
+        """Add its force on a node from a single row, at the present positions [N].
+
+        A crack asks for it where it tries a cut through the node: only a term whose forces come
+        from rows, as those of the loads and the shells do, has such forces.
+        rows, nodes : (n,), quad or copy, and one of its nodes.  force : (n, 3), added to.
+        """
+
+    def fixed_nodes(self, state: State) -> Ints:
+        """Return the nodes whose positions it keeps in place, as supports do; by default none."""
+        return np.zeros(0, np.int64)
+
+    def by_row(self, state: State) -> Mapping[str, Floats]:
+        """Return numbers of each quad and copy to show in frames, shape (n_row,), by their names.
+
+        A name has letters, digits and underscores.
+        """
+        return {}
 
     def stored(self, state: State) -> Mapping[str, float]:
         """Return the entries of the energy balance that are functions of the state [N·mm]."""

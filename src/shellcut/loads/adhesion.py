@@ -1,0 +1,400 @@
+"""Glue between a film and a rigid base: it holds, peels and lets go by a cohesive law.
+
+Glue points are the 2 x 2 Gauss points of the glued quads. Each has an area A, a place X_P on the
+base, where the film lies at t_0, and a normal n of the base, towards the film. With
+u = sum N_a x_a - X_P, u_n = u · n and u_t = u - u_n n,
+
+    (1)  d = sqrt(<u_n>² + b² |u_t|²),   m the largest d so far
+    (2)  D = d_f (m - d_0) / (m (d_f - d_0)),   d_0 = s/K,   d_f = 2 tau/s
+    (3)  p = -(1 - D) K (<u_n> n + b² u_t) + K <-u_n> n,    on the film, per area
+
+with the energy tau [N/mm], the strength s [MPa] and the stiffness K [MPa/mm] of the glue and the
+weight b of shear; <a> is a where it is positive, else 0. Stored are ½ (1 - D) K d² + ½ K <-u_n>²
+per area, dissipated tau (m - d_0) / (d_f - d_0), from 0 to tau. Unloading follows the secant. Where
+all is dissipated, the base still bears film that presses on it.
+
+The nodes of the row in which a point lies take N_a A p. After a cut that is the copy whose film has
+the point's place: area, history and energy are conserved. docs/theory/adhesion.md derives which
+strength a mesh resolves, and compares with closed forms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from shellcut.arguments import Option, checked
+from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy, three, unit
+from shellcut.material.shell_material import ShellMaterial
+from shellcut.mesh.mesh import Mesh
+from shellcut.numerics.bilinear import shape_functions
+from shellcut.numerics.jit import BoundOnce, kernel
+from shellcut.numerics.vec3 import add_scaled, dot, load, scale, store, sub
+from shellcut.state import KnownTopology, State
+from shellcut.tool.force_term import ForceTerm
+from shellcut.tool.pose import Pose
+from shellcut.tool.touch import Booking, Touch
+
+from .supports import choose_nodes
+
+ZONE_SIDES = 1.5
+"""Sides of quads that the process zone of the glue must have, and the radius of the fold."""
+
+# Stiffness over s²/tau: d_f is 20 times d_0.
+_STIFFNESS = 10.0
+
+_GAUSS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) / sqrt(3.0)
+
+_WORK, _STORED, _DISSIPATED = range(3)
+"""Columns of ``touch.sums``."""
+
+
+class GlueLaw(NamedTuple):
+    """The law of a glue."""
+
+    energy: float
+    """tau [N/mm]."""
+    strength: float
+    """s [MPa]."""
+    stiffness: float
+    """K [MPa/mm]."""
+    shear: float
+    """b."""
+
+    @property
+    def first(self) -> float:
+        """d_0, where the strength is reached [mm]."""
+        return self.strength / self.stiffness
+
+    @property
+    def last(self) -> float:
+        """d_f, where the glue has let go [mm]."""
+        return 2.0 * self.energy / self.strength
+
+
+@checked
+@dataclass(frozen=True)
+class Adhesion(ForceTerm):
+    """Film glued to a rigid base where it lies at first; an entry of ``Simulation(terms=...)``.
+
+    ValueError is raised for a law that is none: a stiffness so small that the glue would reach its
+    strength only where it has let go.
+
+    Examples
+    --------
+    >>> seal = Adhesion("rim", energy=0.05)
+    >>> seal.law(ShellMaterial.homogeneous(), side=0.5).strength.__round__(3)
+    0.338
+    """
+
+    nodes: Annotated[
+        str | Sequence[int] | Ints | None,
+        Option("", "all quads between them are glued", form="nodes", unset="quads are given"),
+    ] = None
+    quads: Annotated[
+        str | Sequence[int] | Ints | None,
+        Option("", "that are glued", form="quads", unset="those between the nodes"),
+    ] = None
+    normal: Annotated[
+        Sequence[float] | None,
+        Option("", "of the base, towards the film", form="3 numbers", unset="the film's directors"),
+    ] = None
+    energy: Annotated[float, Option("N/mm", "that it takes to peel, over area", above=0)] = 0.1
+    strength: Annotated[
+        float | None,
+        Option("MPa", "of the glue", above=0, unset="the largest that the mesh resolves"),
+    ] = None
+    stiffness: Annotated[
+        float | None,
+        Option("MPa/mm", "of glue and base", above=0, unset="10 strength² / energy"),
+    ] = None
+    shear: Annotated[float, Option("", "weight of sliding beside opening in the law", least=0)] = (
+        1.0
+    )
+    name: Annotated[str, Option("", "of this glue, if there are several", form="stem")] = "adhesion"
+
+    def law(self, material: ShellMaterial, side: float) -> GlueLaw:
+        """Return the law of this glue below a film with quads of that side [mm].
+
+        Without a strength it is that at which the process zone has 1.5 sides,
+        s = sqrt(E' tau) h^1.5 / (1.5 side)², with E' h³/12 the bending stiffness.
+        """
+        bending = 12.0 * float(material.bending_stiffness[0, 0])
+        strength = self.strength or sqrt(bending * self.energy) / (ZONE_SIDES * side) ** 2
+        stiffness = self.stiffness or _STIFFNESS * strength**2 / self.energy
+        law = GlueLaw(self.energy, strength, stiffness, self.shear)
+        if not law.first < law.last:
+            raise ValueError(
+                f"the stiffness of {self.name} must be above strength² / (2 energy), "
+                f"{strength**2 / (2.0 * self.energy):.4g} MPa/mm, got {stiffness:.4g} MPa/mm"
+            )
+        return law
+
+    def glued_quads(self, mesh: Mesh) -> Ints:
+        """Return the quads that are glued; ValueError if there are none."""
+        if (self.nodes is None) == (self.quads is None):
+            raise ValueError(f"{self.name} needs nodes or quads, one of them")
+        if self.nodes is not None:
+            chosen = np.zeros(mesh.n_node, np.bool_)
+            chosen[choose_nodes(mesh, self.nodes)] = True
+            found = np.flatnonzero(chosen[mesh.quads].all(axis=1))
+            if not found.size:
+                raise ValueError(
+                    f"{self.name} must glue quads, and no quad has all its nodes in "
+                    f"{self.nodes!r}: choose a set that is a quad wide, or quads"
+                )
+            return found
+        assert self.quads is not None
+        return mesh.quad_set(self.quads) if isinstance(self.quads, str) else _ids(self, mesh)
+
+    def for_film(
+        self, mesh: Mesh, material: ShellMaterial, part_of: Callable[[int], Any]
+    ) -> ForceTerm:
+        """Return the glue points of a film."""
+        quads = self.glued_quads(mesh)
+        side = sqrt(float(mesh.quad_areas()[quads].max()))
+        normal = None if self.normal is None else unit(three("normal", self.normal))
+        if normal is not None and not normal.any():
+            raise ValueError(f"the normal of {self.name} must have a direction, got {self.normal}")
+        return GluePoints(self.name, self.law(material, side), mesh, quads, normal, part_of)
+
+    def add_forces(self, state: State, pose: Pose) -> None:
+        """Not called: the simulation takes what :meth:`for_film` returns."""
+        raise TypeError("give Adhesion to Simulation(terms=...)")
+
+
+def _ids(glue: Adhesion, mesh: Mesh) -> Ints:
+    ids = np.asarray(glue.quads)
+    if ids.ndim != 1 or not ids.size or ids.dtype.kind not in "iu":
+        raise ValueError(f"quads of {glue.name} must be the name of a set or ids, got {glue.quads}")
+    if ids.min() < 0 or ids.max() >= mesh.n_quad:
+        raise ValueError(f"quads of {glue.name} must lie in 0..{mesh.n_quad - 1}, got {glue.quads}")
+    return np.unique(ids).astype(np.int64)
+
+
+class Points(NamedTuple):
+    """Glue points as the kernel takes them."""
+
+    corners: Annotated[Ints, "(n, 4)"]
+    """Nodes of the row in which each lies."""
+    weight: Annotated[Floats, "(n, 4)"]
+    """N_a."""
+    area: Annotated[Floats, "(n,)"]
+    """A [mm²]."""
+    base: Annotated[Floats, "(n, 3)"]
+    """X_P [mm]."""
+    normal: Annotated[Floats, "(n, 3)"]
+    """n."""
+    largest: Annotated[Floats, "(n,)"]
+    """m [mm], written."""
+    parted: Annotated[Floats, "(n, 3)"]
+    """u at t_{n-1}, replaced by that at t_n [mm]."""
+    traction: Annotated[Floats, "(n, 3)"]
+    """p at t_{n-1}, replaced by that at t_n [MPa]."""
+
+
+class GluePoints(ForceTerm):
+    """The glue points of a film, each in the row that has its place now.
+
+    Parameters
+    ----------
+    name : str
+    law : GlueLaw
+    mesh : Mesh
+    quads : ndarray of int, shape (n,)
+        That are glued.
+    normal : ndarray, shape (3,), optional
+        Of the base; the directors by default.
+    part_of : callable
+        Returns the polygon of a row that is cut.
+    """
+
+    booked = (
+        Booking("adhesion_work", _WORK, -1.0),
+        Booking("adhesion_dissipated", _DISSIPATED),
+    )
+    """What the energy balance gets from the sums."""
+
+    def __init__(
+        self,
+        name: str,
+        law: GlueLaw,
+        mesh: Mesh,
+        quads: Ints,
+        normal: Floats | None,
+        part_of: Callable[[int], Any],
+    ) -> None:
+        self.name, self.law, self.quads, self._part_of = name, law, quads, part_of
+        self.touch = Touch.none(0, 3)
+        n = 4 * quads.size
+        self._quad = np.repeat(quads, 4)
+        self.row, self.place = self._quad.copy(), np.tile(_GAUSS, (quads.size, 1))
+        weight = np.stack(shape_functions(*self.place.T), axis=1)
+        corners = mesh.quads[self._quad]
+        director = unit(np.einsum("na,nac->nc", weight, mesh.directors[corners]))
+        self.points = Points(
+            corners=np.ascontiguousarray(corners, np.int64),
+            weight=weight,
+            area=_areas(mesh.nodes[mesh.quads[quads]]).ravel(),
+            base=np.zeros((n, 3)),
+            normal=director if normal is None else np.tile(normal, (n, 1)),
+            largest=np.zeros(n),
+            parted=np.zeros((n, 3)),
+            traction=np.zeros((n, 3)),
+        )
+        self._known = KnownTopology()
+        self._begun = False
+        self._call = BoundOnce(add_glue)
+
+    def add_forces(self, state: State, pose: Pose) -> None:
+        """Add the forces at t_n; at the first call the base is where the film lies."""
+        if not self._known.is_of(state):
+            self._follow_cuts(state)
+        n = state.node
+        if not self._begun:
+            self.points.base[:] = self._places(n.x)
+            self._begun = True
+        self._call(self.points, self.law, n.x, n.force_rows, self.touch.sums)
+
+    def _places(self, x: Floats) -> Floats:
+        p = self.points
+        return np.asarray(np.einsum("na,nac->nc", p.weight, x[p.corners]))
+
+    def _follow_cuts(self, state: State) -> None:
+        """Hand the points of cut quads to the copies that have their places; read the nodes."""
+        parent = state.quad.parent[: state.n_quad]
+        n_row = np.bincount(parent, minlength=int(self._quad.max()) + 1)
+        for quad in np.unique(self._quad[n_row[self._quad] > 1]).tolist():
+            rows = np.flatnonzero(parent == quad)
+            points = np.flatnonzero(self._quad == quad)
+            depth = [_depth(self._part_of(row)[0], self.place[points]) for row in rows.tolist()]
+            self.row[points] = rows[np.argmax(depth, axis=0)]
+        self.points.corners[:] = state.quads[self.row]
+        self._known.take(state)
+
+    @property
+    def damage(self) -> Floats:
+        """Share of its energy that each point has dissipated, shape (n,)."""
+        first, last = self.law.first, self.law.last
+        return np.asarray(np.clip((self.points.largest - first) / (last - first), 0.0, 1.0))
+
+    def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
+        """Return the glued nodes and the stiffness of glue and base on each [N/mm]."""
+        if not self._known.is_of(state):
+            self._follow_cuts(state)
+        p, steepest = self.points, self.law.stiffness * max(1.0, self.law.shear**2)
+        return p.corners.ravel(), (steepest * p.area[:, None] * np.abs(p.weight)).ravel()
+
+    def stored(self, _state: State) -> Mapping[str, float]:
+        """Return the energy that it would give back [N·mm]."""
+        return {"adhesion_stored": float(self.touch.sums[_STORED])}
+
+    def fixed_nodes(self, state: State) -> Ints:
+        """Return the nodes of rows with a point that has not let go."""
+        holds = self.points.largest < self.law.last
+        return np.unique(state.quads[self.row[holds]])
+
+    def add_corner_forces(self, state: State, rows: Ints, nodes: Ints, force: Floats) -> None:
+        """Add its force on a node from a single row, at the present positions [N].
+
+        rows, nodes : (n,), row and one of its nodes.  force : (n, 3), added to.
+        """
+        mine = np.flatnonzero(np.isin(self.row, rows))
+        if not mine.size:
+            return
+        some = Points(*(np.array(column[mine]) for column in self.points))
+        on_nodes, sums = np.zeros((len(state.node.x), 3)), np.zeros(3)
+        of_row = self.row[mine]
+        for row in np.unique(of_row).tolist():  # of a row alone
+            on_nodes[:] = 0.0
+            alone = Points(*(np.array(column[of_row == row]) for column in some))
+            self._call(alone, self.law, state.node.x, on_nodes, sums)
+            which = np.flatnonzero(rows == row)
+            force[which] += on_nodes[nodes[which]]
+
+    def by_row(self, state: State) -> dict[str, Floats]:
+        """Return the damage of each row, shape (n_row,): 0 where it holds or is not glued."""
+        n = state.n_quad
+        damage = np.bincount(self.row, self.damage, n) / np.maximum(
+            np.bincount(self.row, minlength=n), 1
+        )
+        return {self.name: damage}
+
+    def saved(self) -> dict[str, Any]:
+        """Return history, and work and forces of the last step."""
+        p = self.points
+        kept = {"largest": p.largest, "parted": p.parted, "traction": p.traction}
+        return {"sums": self.touch.sums, **kept}
+
+    def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
+        """Take over :meth:`saved`."""
+        self.touch.sums[:] = saved["sums"]
+        for name in ("largest", "parted", "traction"):
+            getattr(self.points, name)[:] = saved[name]
+
+
+def _areas(corners: Floats) -> Floats:
+    """Return the area of each glue point of quads with corners : (n, 4, 3), (n, 4) [mm²]."""
+    found = []
+    for xi, eta in _GAUSS.tolist():
+        along = np.array([-(1 - eta), 1 - eta, 1 + eta, -(1 + eta)]) / 4.0
+        across = np.array([-(1 - xi), -(1 + xi), 1 + xi, 1 - xi]) / 4.0
+        a1, a2 = (np.einsum("a,nac->nc", slopes, corners) for slopes in (along, across))
+        found.append(np.linalg.norm(np.cross(a1, a2), axis=1))
+    return np.stack(found, axis=1)
+
+
+def _depth(polygon: Sequence[tuple[float, float]], places: Floats) -> Floats:
+    """Return how deep places lie in a convex polygon of xi and eta, (n,); negative outside."""
+    start = np.array(polygon)
+    side = np.roll(start, -1, axis=0) - start
+    arm = places[:, None] - start
+    cross = side[:, 0] * arm[..., 1] - side[:, 1] * arm[..., 0]
+    length = np.maximum(np.linalg.norm(side, axis=1), np.finfo(float).tiny)
+    return np.asarray((cross / length).min(axis=1))
+
+
+@kernel
+def add_glue(points: Points, law: GlueLaw, x: Floats, force: Floats, sums: Floats) -> None:
+    """Add the forces of the glue to force : (n_node, 3 or more), and write the sums.
+
+    sums : (3,), work on the film since t_{n-1}, energy stored at t_n, and dissipated since [N·mm].
+    """
+    corners, weight, area, base, normal, largest, parted, traction = points
+    energy, strength, stiffness, shear = law
+    first, last = strength / stiffness, 2.0 * energy / strength
+    b2 = shear * shear
+    work, stored, dissipated = 0.0, 0.0, 0.0
+    for i in range(corners.shape[0]):
+        u = scale(-1.0, load(base, i))
+        for a in range(4):
+            u = add_scaled(u, weight[i, a], load(x, corners[i, a]))
+        n = load(normal, i)
+        u_n = dot(u, n)
+        u_t = add_scaled(u, -u_n, n)
+        opens, pressed = max(u_n, 0.0), max(-u_n, 0.0)
+        d = sqrt(opens * opens + b2 * dot(u_t, u_t))  # (1)
+        before, m = largest[i], max(largest[i], d)
+        largest[i] = m
+        k = stiffness  # (1 - D) K, by (2)
+        if m >= last:
+            k = 0.0
+        elif m > first:
+            k = stiffness * first * (last - m) / (m * (last - first))
+        p = add_scaled(scale(stiffness * pressed - k * opens, n), -k * b2, u_t)  # (3)
+        spent = min(max(m, first), last) - min(max(before, first), last)
+        dissipated += area[i] * energy * spent / (last - first)
+        stored += 0.5 * area[i] * (k * d * d + stiffness * pressed * pressed)
+        moved, mean = sub(u, load(parted, i)), add_scaled(load(traction, i), 1.0, p)
+        work += 0.5 * area[i] * dot(mean, moved)
+        store(parted, i, u)
+        store(traction, i, p)
+        for a in range(4):
+            node, share = corners[i, a], area[i] * weight[i, a]
+            for c in range(3):
+                force[node, c] += share * p[c]
+    sums[0], sums[1], sums[2] = work, stored, dissipated

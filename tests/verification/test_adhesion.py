@@ -1,0 +1,210 @@
+"""Glue to a rigid base against closed forms: pull-off, peel, stretch, cuts, restart.
+
+The peel strips are one quad wide. Their front advances along +x, the free end is pulled by a
+prescribed motion. With the force F on the end and its angle theta to -x,
+
+    F²/(2 E b² h) + (F/b) (1 - cos theta) = tau                            (Kendall 1975)
+
+in a steady peel, b the width: the first term is the stretch of the free film, and below 1 % from
+45° on.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+import shellcut as sc
+from gone_on import check_goes_on
+from shellcut.meshing import rectangle
+from shellcut.models import guillotine
+
+FILM = sc.ShellMaterial.homogeneous()
+YOUNG, THICKNESS = 1678.0, 0.074
+FREE = 4.0
+"""Length of the strip that is not glued [mm]."""
+
+
+def glue_of(sim):
+    return next(term for term in sim.terms if term.name == "adhesion")
+
+
+def pressed(pressure):
+    """Return a glued sheet at rest under a pressure [MPa]."""
+    mesh = rectangle(2.0, 2.0, size=0.5)
+    load = sc.Pressure(pressure, factor=lambda time: min(time / 2e-4, 1.0))
+    glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=0.05, strength=0.5)
+    sim = sc.Simulation(mesh, FILM, loads=[load], terms=[glue], damping_alpha=2e4)
+    sim.run(until=6e-4)
+    return sim
+
+
+@pytest.mark.parametrize("pressure", [0.3, -0.3])
+def test_glue_and_base_carry_a_pressure(pressure):
+    sim = pressed(pressure)
+    traction = glue_of(sim).points.traction
+    np.testing.assert_allclose(traction[:, 2], -pressure, rtol=1e-4)
+    assert np.abs(traction[:, :2]).max() < 1e-4 * abs(pressure)
+
+
+def test_a_pressure_above_the_strength_pulls_the_sheet_off():
+    assert glue_of(pressed(0.45)).points.largest.max() < 0.05
+    off = pressed(0.55)
+    points = glue_of(off).points
+    assert not points.traction.any()
+    ledger = off.close_ledger()
+    assert ledger.adhesion_dissipated == pytest.approx(0.05 * 4.0, rel=1e-9)
+    # It snaps within a few dozen steps, over each of which the work takes the mean force.
+    assert ledger.adhesion_work == pytest.approx(ledger.adhesion_dissipated, rel=1e-3)
+
+
+class Peel:
+    """A strip whose free end moves with a speed [mm/s] along a path of a parameter."""
+
+    def __init__(self, path, *, energy=0.05, size=0.5, speed=1e3, length=12.0, **options):
+        mesh = rectangle(length, size, size=size)
+        end = np.flatnonzero(mesh.nodes[:, 0] < 1e-9)
+        glued = np.flatnonzero(mesh.nodes[mesh.quads].mean(axis=1)[:, 0] > FREE)
+        options = {"damping_alpha": 0.0, **options}
+
+        def rate(axis):
+            return lambda time: speed * min(time / 1e-4, 1.0) * path(speed * time)[axis]
+
+        pulled = sc.Support(
+            end, translation="xyz", rotation="", velocity={"x": rate(0), "z": rate(1)}
+        )
+        glue = sc.Adhesion(quads=glued, energy=energy)
+        self.energy, self.width, self.end, self.speed = energy, size, end, speed
+        self.sim = sc.Simulation(mesh, FILM, supports=[pulled], terms=[glue], **options)
+
+    def energy_of_force(self, begin, stop):
+        """Return the mean of the closed form's left side over tau, of a range of the path [mm]."""
+        found, sim = [], self.sim
+        sim.run(until=begin / self.speed)
+        while sim.state.time < stop / self.speed:
+            sim.run(until=sim.state.time + 0.01 / self.speed)
+            force = sim.state.node.reaction[self.end, :3].sum(axis=0)
+            found.append(self._left_side(force))
+        return float(np.mean(found)) / self.energy
+
+    def _left_side(self, force):
+        size = math.hypot(force[0], force[2])
+        stretch = size**2 / (2.0 * YOUNG * self.width**2 * THICKNESS)
+        return stretch + (size + force[0]) / self.width  # cos theta = - force_x / size
+
+
+def at_angle(degrees):
+    """Return the path of an end that keeps the peeled film at an angle, once it is taut."""
+    half = math.radians(0.5 * degrees)
+    return lambda _: (math.sin(half), math.cos(half))
+
+
+@pytest.mark.parametrize("energy", [0.02, 0.05, 0.1])
+def test_peel_at_a_right_angle(energy):
+    peel = Peel(at_angle(90.0), energy=energy)
+    assert peel.energy_of_force(8.0, 14.0) == pytest.approx(1.0, abs=0.03)
+    ledger = peel.sim.close_ledger()
+    assert abs(ledger.relative(ledger.imbalance)) < 1e-4
+    assert ledger.adhesion_dissipated + ledger.adhesion_stored == pytest.approx(
+        ledger.adhesion_work, rel=1e-6
+    )
+
+
+def folded_back(path):
+    """A half circle about the front, then along +x: the film is pulled back over itself."""
+    turn = path / FREE
+    if turn < math.radians(165.0):
+        return math.sin(turn), math.cos(turn)
+    return 1.0, 0.0
+
+
+def test_peel_folded_back():
+    peel = Peel(folded_back, length=16.0)
+    assert peel.energy_of_force(17.0, 25.0) == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("degrees", [22.6, 15.4])
+def test_peel_at_a_small_angle_stretches_the_film(degrees):
+    peel = Peel(at_angle(degrees), length=14.0)
+    slack = FREE * math.sin(math.radians(degrees)) / math.cos(math.radians(0.5 * degrees))
+    assert peel.energy_of_force(slack + 0.6, slack + 1.6) == pytest.approx(1.0, abs=0.02)
+
+
+def test_peel_from_a_cylinder():
+    """The normals of the base are the film's directors: the same force as from a plane."""
+    radius, angle = 20.0, math.radians(35.0)
+    flat = rectangle(radius * angle, 0.5, size=0.5)
+    turn = flat.nodes[:, 0] / radius
+    nodes = np.stack([radius * np.sin(turn), flat.nodes[:, 1], radius * np.cos(turn)], axis=1)
+    mesh = sc.Mesh.from_arrays(nodes, flat.quads)
+    glue = sc.Adhesion(quads=np.arange(8, mesh.n_quad), energy=0.05)
+    end = np.flatnonzero(turn < 1e-9)
+    pulled = sc.Support(
+        end, translation="xyz", rotation="", velocity={"z": lambda time: 1e3 * min(time / 1e-4, 1)}
+    )
+    sim = sc.Simulation(mesh, FILM, supports=[pulled], terms=[glue], damping_alpha=0.0)
+    sim.run(until=6e-3)
+    peeled = sim.close_ledger()
+    assert peeled.adhesion_dissipated > 0.05 * 0.5 * 2.0
+    assert abs(peeled.relative(peeled.imbalance)) < 2e-4
+    share = (peeled.adhesion_dissipated + peeled.strain) / peeled.support_work
+    assert share == pytest.approx(1.0, abs=0.06)
+
+
+def glued_cut(**options):
+    """A guillotine through the quads of a strip that is glued all over, weakly."""
+    quads = np.arange(12 * 7)
+    glue = sc.Adhesion(quads=quads, energy=0.02, strength=0.2)
+    size = {"length": 6.0, "width": 3.5, "notch": 1.0, "travel": 2.0}
+    free = sc.Fracture(path="free")
+    case = guillotine(0.5, **size, terms=[glue], fracture=free, **options)
+    assert case.simulation.mesh.n_quad == quads.size
+    return case
+
+
+def test_a_cut_hands_the_glue_to_the_copies():
+    case = glued_cut()
+    sim = case.simulation
+    glue = glue_of(sim)
+    area = glue.points.area.sum()
+    assert area == pytest.approx(21.0, rel=1e-12)
+    sim.run(case.duration)
+    assert sim.state.n_quad > sim.mesh.n_quad  # quads were cut
+    ledger = sim.close_ledger()
+    assert abs(ledger.relative(ledger.imbalance)) < 2e-4
+    parent = sim.state.quad.parent
+    rows = np.flatnonzero((np.bincount(parent[: sim.state.n_quad]) > 1)[parent[: sim.state.n_quad]])
+    topology, seen = sim.cracks.cuts.topology, 0
+    for row in rows.tolist():
+        polygon = np.array(topology.polygon(row)[0])
+        for point in np.flatnonzero(glue.row == row):
+            assert inside(polygon, glue.place[point])
+            seen += 1
+    assert seen == 4 * np.unique(parent[rows]).size
+
+
+def inside(polygon, place):
+    """Whether a place lies in a convex polygon, by the signs of the areas to its sides."""
+    ends = np.roll(polygon, -1, axis=0)
+    area = (ends[:, 0] - polygon[:, 0]) * (place[1] - polygon[:, 1])
+    area -= (ends[:, 1] - polygon[:, 1]) * (place[0] - polygon[:, 0])
+    return bool((area > -1e-9).all())
+
+
+def test_a_run_goes_on_bit_for_bit(tmp_path):
+    def reached(sim):
+        return sim.ledger.adhesion_dissipated > 1e-3
+
+    check_goes_on(
+        lambda **options: glued_cut(**options).simulation, reached, tmp_path / "glue.h5", 100
+    )
+
+
+def test_a_glued_film_can_be_relaxed():
+    mesh = rectangle(2.0, 1.0, size=0.5)
+    load = sc.Pressure(0.01)
+    glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=0.05, strength=0.5)
+    sim = sc.Simulation(mesh, FILM, loads=[load], terms=[glue])
+    sim.relax(tolerance=1e-6)
+    carried = (glue_of(sim).points.traction[:, 2] * glue_of(sim).points.area).sum()
+    assert carried == pytest.approx(-0.01 * 2.0, rel=1e-4)
