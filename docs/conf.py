@@ -13,6 +13,7 @@ import shellcut
 sys.path.insert(0, str(Path(__file__).parent))
 
 from gallery_run import QuickSettings
+from references_page import entries
 
 project = "shellcut"
 highlight_language = "none"  # the pages name their languages
@@ -141,18 +142,33 @@ OUTSIDE = re.compile(r"\]\(((?:\.\./)+[A-Z]+\.md)\)")
 """A link of a page to a Markdown file of the project that is no page of the site."""
 
 
+CITED = re.compile(rf"(?<!`)\[({'|'.join(entries())})\](?![(`])")
+"""A citation by its key, as in comments of the code and in pages that a script makes."""
+
+
 def adapt(app, docname, source):
     """Make of a page for GitHub one for the site.
 
-    The start page gets the tables of contents; files outside the site become downloads.
+    The start page gets the tables of contents; files outside the site become downloads; citations
+    by a key become links.
     """
     source[0] = OUTSIDE.sub(r"](path:\1)", source[0])
+    if app.env.doc2path(docname).suffix == ".md":
+        to = "../" * docname.count("/") + "references.md"
+        source[0] = CITED.sub(lambda key: f"{key[0]}({to}#{key[1].lower()})", source[0])
     if docname == "index":
         for caption, pages in PAGES.items():
             entries = "\n".join(pages)
             source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{entries}\n```\n"
 
 
+def link_citations(app, what, name, obj, options, lines):
+    """Make links of the citations in a docstring."""
+    to = "../" * app.env.docname.count("/") + "references.html"
+    lines[:] = [CITED.sub(lambda key: f"`{key[1]} <{to}#{key[1].lower()}>`__", x) for x in lines]
+
+
 def setup(app):
-    """Let pages be adapted as they are read."""
+    """Let pages and docstrings be adapted as they are read."""
     app.connect("source-read", adapt)
+    app.connect("autodoc-process-docstring", link_citations)

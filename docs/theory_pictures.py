@@ -185,7 +185,7 @@ def cables():
         parts += [text(400, nose[1] + sign * 30 + 5, f"ℓ{'⁺' if name == '+' else '⁻'}", GREEN)]
         parts += [text(330, nose[1] + way + (22 if sign > 0 else -12), f"flank {name}", INK)]
     parts += [dot(nose, RED, 5), text(422, 115, "joint", RED), text(318, 115, "blade", GREY)]
-    parts += [arrow((312, 206), (372, 206)), text(380, 211, "the blade's way")]
+    parts += [arrow((312, 206), (372, 206)), text(380, 211, "motion of the blade")]
     return drawing(232, *parts)
 
 
@@ -271,7 +271,7 @@ def statics():
     parts += [arrow(at(a, load(a)), ahead, RED, 1.6)]
     snap = next(w / 1000 for w in range(2000, 2300) if load(w / 1000) > 0.99)
     parts += [line([at(turn[0], 1), at(snap, 1)], GREY, 1.2, "2 4")]
-    parts += [text(*_by(at(0.9, 1), 0, -10), "snap, load held", GREY)]
+    parts += [text(*_by(at(0.9, 1), 0, -10), "snap at constant load", GREY)]
     parts += [text(*_by(at(0.14, 0.3), 10, 10), "0"), text(*_by(at(0.93, 0.5), -36, 4), "1")]
     parts += [
         text(*_by(at(2.0, 0), 4, -10), "0"),
@@ -490,7 +490,7 @@ def opening():
         text(nose[0] - 36, nose[1] + 26, "edge", RED),
         text(262, 314, "Section parallel to the sheet"),
     ]
-    parts += [text(14, 276, "From above: clamped rim")]
+    parts += [text(14, 276, "From above: clamped border")]
     return drawing(504, *parts)
 
 
