@@ -166,7 +166,7 @@ class Page:
 
 
 QUICK = {"README", "add-a-case", "compare", "hand-built", "pierce", "read-results", "tensile"}
-QUICK |= {"trust", "index", "install", "statics"}
+QUICK |= {"trust", "install", "statics"}
 """Pages that the default tests run, in some seconds each."""
 
 
