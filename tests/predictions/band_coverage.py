@@ -297,7 +297,9 @@ def page(found):
         f"{c.bar.half_width:.2g} | {with_unit(c.bar.figure, c.fine)} | {abs(c.off):.2f} |"
         for c in missed
     ]
-    head = "| | values | covered | share | median half-width over value |\n|---|---:|---:|---:|---:|"
+    head = (
+        "| | values | covered | share | median half-width over value |\n|---|---:|---:|---:|---:|"
+    )
     by_median = 100.0 * np.mean([median_band(case) for case in cases])
     return TEXT.format(
         n=len(found),
@@ -374,8 +376,8 @@ def main():
 TEXT = """# Do error bars contain the fine answer?
 
 This page shows how far you can trust the [error bars](howto/converge.md) of `shellcut converge`:
-do 95 % of them contain the result of a much finer and slower run? `python
-tests/predictions/band_coverage.py` makes it.
+do 95 % of them contain the result of a much finer and slower run?
+`python tests/predictions/band_coverage.py` makes it.
 
 {n} small models are drawn at random with fixed seeds: {kinds}. They differ in modulus,
 thickness, strength, shape of the law, length of the process zone (3.2 to 4.5 sides of quads),
