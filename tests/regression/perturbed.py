@@ -4,8 +4,8 @@ Runs a model again and again, each time with all nodes of its film moved in its 
 up to 1e-9 mm. Nobody would call that another model, but round-off differs as on another processor,
 and once a node touches or a crack advances a step sooner, the runs differ. The values of all runs
 are stored in ``perturbed.json`` beside this file, and the table of their means and standard
-deviations in docs/limits.md. The bound of a regression test should lie four standard deviations beyond the
-mean or farther.
+deviations in docs/limits.md. The bound of a regression test should lie four standard deviations
+beyond the mean or farther.
 """
 
 import argparse
