@@ -322,20 +322,20 @@ def test_the_short_form_for_other_versions_names_tests_that_there_are():
     assert [file for file in files if not (ROOT / file).is_file()] == []
 
 
-def test_rooms_picture_table_and_folders_are_the_contract():
+def test_package_picture_table_and_folders_are_the_contract():
     sys.path.insert(0, str(ROOT / "docs"))
-    import rooms_picture
+    import packages_picture
 
-    rows = rooms_picture.rows()
+    rows = packages_picture.rows()
     assert len(rows) <= 10
-    assert rooms_picture.PICTURE.read_text(encoding="utf-8") == rooms_picture.picture()
-    assert rooms_picture.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-    rooms = [room for row in rows for room in row]
+    assert packages_picture.PICTURE.read_text(encoding="utf-8") == packages_picture.picture()
+    assert packages_picture.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    packages = [one for row in rows for one in row]
     package = ROOT / "src" / "shellcut"
     folders = {p.parent.name for p in package.glob("*/__init__.py")}
     files = {p.stem for p in package.glob("*.py")} - {"__init__", "__main__"}
     doors = {"cut_quality", "history", "meshing", "tool_shapes"}
-    assert sorted(rooms) == sorted(folders | (files - doors))
+    assert sorted(packages) == sorted(folders | (files - doors))
     for folder in folders:
         doc = ast.get_docstring(ast.parse((package / folder / "__init__.py").read_text("utf-8")))
         assert "import" in doc.lower(), f"{folder} must say what it may import"
