@@ -23,6 +23,7 @@ version = release = shellcut.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
 ]
@@ -37,6 +38,8 @@ html_js_files = ["keys.js"]
 html_theme_options = {"top_of_page_buttons": []}
 
 myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
+myst_fence_as_directive = ["math"]  # GitHub shows ```math as a formula, too
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings tell kinds, shapes and units
@@ -102,6 +105,7 @@ PAGES = {
         "api",
         "versions",
         "glossary",
+        "references",
         "architecture",
         "howto/add-a-case",
     ],

@@ -123,6 +123,21 @@ def test_pages_are_those_of_their_sources(monkeypatch):
     # else: python docs/materials_page.py
     assert module.PAGE.read_text(encoding="utf-8") == module.page()
     assert module.PICTURE.exists()
+    module = importlib.import_module("references_page")
+    # else: python docs/references_page.py
+    assert module.PAGE.read_text(encoding="utf-8") == module.page()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_formulas_are_shown_by_github_and_the_site(page):
+    """GitHub reads Markdown within `$`: escapes lose the backslash, `*` and `}_` are emphasis."""
+    text = re.sub(r"(?ms)^ *(```|~~~).*?^ *\1|`[^`\n]+`", "", page.read_text(encoding="utf-8"))
+    assert "$$" not in text, "a formula of its own is a block ```math"
+    found = re.findall(r"\$([^$\n]+)\$", text)
+    odd = re.compile(r"\\[,;:!{}\\|#%&_]|[*~<>|]|[})\]]_|^\s|\s$")
+    assert [formula for formula in found if odd.search(formula)] == []
+    assert text.count("$") == 2 * len(found)
+    assert re.findall(r"[\w$]\$[^$]+\$|\$[^$]+\$[\w(]", text) == []
 
 
 def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
