@@ -26,12 +26,12 @@ def table(results: list[dict[str, Any]]) -> list[str]:
             "",
             f"{verdict}, {result['seconds']:.1f} s",
             "",
-            "| quantity | reference | ours | error | band | verdict | why this band |",
+            "| quantity | reference | ours | error | tolerance | verdict | why this tolerance |",
             "|---|---:|---:|---:|---:|---|---|",
         ]
         for c in result["checks"]:
             scale, unit = (1.0, "") if c["absolute"] else (100.0, " %")
-            word = ("pass" if c["passed"] else "FAIL") if c["gate"] else "beside"
+            word = ("pass" if c["passed"] else "FAIL") if c["gate"] else "info"
             lines.append(
                 f"| {c['quantity']} | {c['reference']:.6g} | {c['ours']:.6g} | "
                 f"{scale * c['error']:+.3g}{unit} | {scale * c['band']:.3g}{unit} | {word} | "
@@ -81,9 +81,10 @@ def main(path: str) -> None:
         "",
         "## Published cases",
         "",
-        f"{len(results)} cases, {passed} of {gates} gates pass, "
-        f"{sum(r['seconds'] for r in results):.0f} s on one core. Rows marked *beside* are printed "
-        "for information: their reference is of low confidence, or they show a known limit.",
+        f"{len(results)} cases; {passed} of {gates} rows with a verdict pass; "
+        f"{sum(r['seconds'] for r in results):.0f} s on one core. The error of a row is relative, "
+        "in %, or else a difference. The tolerance is the largest error that passes. Rows marked "
+        "*info* have no verdict: their reference is of low confidence, or they show a known limit.",
         "",
         *table(results),
     ]

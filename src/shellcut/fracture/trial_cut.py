@@ -22,7 +22,7 @@ behind has parted,
 
     (5)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
 
-The reasons: ``docs/theory/free-cracks.md`` (*When a crack goes on*), ``docs/theory/tears.md``.
+The reasons: ``docs/theory/free-cracks.md`` (*When a crack advances*), ``docs/theory/tears.md``.
 """
 
 from __future__ import annotations
