@@ -6,11 +6,11 @@ import errno
 import time
 import traceback
 from contextlib import closing
-from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shellcut.files.distribution import VERSION
 from shellcut.files.run_folder import CHECKPOINT, LOG, USED
 from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
@@ -90,7 +90,7 @@ def _ready(
                 model.write(folder / USED)
             log.open(folder / LOG)
             digest = digest_of(folder / USED)
-            for line in (f"shellcut {version('shellcut')}, {USED} with sha256 {digest}", *lines):
+            for line in (f"shellcut {VERSION}, {USED} with sha256 {digest}", *lines):
                 log.say(line)
         except BaseException:
             recorder.give_up()
