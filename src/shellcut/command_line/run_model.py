@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from shellcut.model_file import Model
     from shellcut.models import Case
     from shellcut.recording.recorder import Recorder
+    from shellcut.recording.run_options import RunArguments
 
 _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
@@ -53,7 +54,7 @@ def run_model(
     there, ``overwrite`` says whether it may be removed, ``force`` runs a model that a check
     refuses, where that can make sense.
     """
-    options = {"resume": resume, "replace": overwrite, "force": force}
+    options: RunArguments = {"resume": resume, "replace": overwrite, "force": force}
     with log.library_said(), closing(log):
         try:
             if resume:
@@ -66,7 +67,7 @@ def run_model(
 
 
 def _ready(
-    model: Model, folder: Path, log: RunLog, options: dict[str, bool]
+    model: Model, folder: Path, log: RunLog, options: RunArguments
 ) -> tuple[Case, Recorder] | int:
     """Return a case and the recorder of its run, which holds the folder with its files open.
 
@@ -83,8 +84,8 @@ def _ready(
         log.warn(refused(problem))
         return BAD_INPUT
     try:
-        kept = {"log": log.keep, "also": (USED, LOG)}
-        recorder = case.recorder(folder, **model.run_options(), **options, **kept)
+        options["log"] = log.keep
+        recorder = case.recorder(folder, also=(USED, LOG), **model.run_options(), **options)
         try:
             if not options["resume"]:
                 model.write(folder / USED)
@@ -108,7 +109,7 @@ def _ready(
         return BAD_INPUT
 
 
-def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, list[str]]:
+def _built(model: Model, log: RunLog, options: RunArguments) -> tuple[Case, list[str]]:
     """Build, check and compile the model; return it with lines on its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation
