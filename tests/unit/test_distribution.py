@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import shellcut
-from shellcut.files.distribution import DISTRIBUTION, pip_install, refuse_another
+from shellcut.files.distribution import DISTRIBUTION, another_project, pip_install
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
@@ -155,14 +155,16 @@ def test_a_start_with_the_other_project_in_the_same_folder_is_refused(beside):
     assert done.returncode == 2
     assert done.stdout == ""
     (line,) = done.stderr.splitlines()
-    assert line.startswith("refused: another package, shellcut 0.2.1, is installed in the folder")
+    assert line.startswith(
+        "refused: another project, shellcut 0.2.1, is installed in the same folder"
+    )
     assert "pip uninstall shellcut shellcut-fem, then pip install shellcut-fem" in line
 
 
 def test_in_another_folder_it_does_no_harm(beside, monkeypatch):
     monkeypatch.syspath_prepend(beside(ours=False))
     assert version("shellcut") == "0.2.1"
-    refuse_another()
+    assert another_project() == ""
 
 
 # ---------------------------------------------------------------- the wheel of a release

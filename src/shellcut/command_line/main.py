@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
-from shellcut.files.distribution import VERSION, refuse_another
+from shellcut.files.distribution import VERSION, another_project
 from shellcut.model_file import ModelFileError
 from shellcut.signals import (
     INTERRUPTED,
@@ -85,10 +85,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
                 if isinstance(stream, TextIOWrapper):
                     stream.reconfigure(errors="backslashreplace")
-            try:
-                refuse_another()
-            except ImportError as problem:
-                return refuse(problem)
+            if beside := another_project():
+                return refuse(beside)
             parser = parser_of_all()
             parser.refuse_parted_settings(sys.argv[1:] if argv is None else argv)
             arguments = parser.parse_args(argv)

@@ -8,7 +8,7 @@ import traceback
 from contextlib import closing
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from shellcut.files.distribution import VERSION
 from shellcut.files.run_folder import CHECKPOINT, LOG, USED
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from shellcut.model_file import Model
     from shellcut.models import Case
     from shellcut.recording.recorder import Recorder
-    from shellcut.recording.run_options import RunArguments
 
 _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
@@ -54,7 +53,7 @@ def run_model(
     there, ``overwrite`` says whether it may be removed, ``force`` runs a model that a check
     refuses, where that can make sense.
     """
-    options: RunArguments = {"resume": resume, "replace": overwrite, "force": force}
+    options: dict[str, Any] = {"resume": resume, "replace": overwrite, "force": force}
     with log.library_said(), closing(log):
         try:
             if resume:
@@ -67,7 +66,7 @@ def run_model(
 
 
 def _ready(
-    model: Model, folder: Path, log: RunLog, options: RunArguments
+    model: Model, folder: Path, log: RunLog, options: dict[str, Any]
 ) -> tuple[Case, Recorder] | int:
     """Return a case and the recorder of its run, which holds the folder with its files open.
 
@@ -109,7 +108,7 @@ def _ready(
         return BAD_INPUT
 
 
-def _built(model: Model, log: RunLog, options: RunArguments) -> tuple[Case, list[str]]:
+def _built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, list[str]]:
     """Build, check and compile the model; return it with lines on its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation

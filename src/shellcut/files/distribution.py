@@ -18,16 +18,17 @@ def pip_install(*extras: str) -> str:
     return f"pip install '{DISTRIBUTION}[{','.join(extras)}]'"
 
 
-def refuse_another() -> None:
-    """Raise ImportError where the index's other project ``shellcut`` is in the same folder."""
+def another_project() -> str:
+    """Return what to do where the index's project ``shellcut`` shares our folder, else ""."""
     try:
         other = distribution("shellcut")
     except PackageNotFoundError:
-        return
+        return ""
     package = Path(__file__).resolve().parents[1]
-    if Path(str(other.locate_file("shellcut"))).resolve() == package:
-        raise ImportError(
-            f"another package, shellcut {other.version}, is installed in the folder {package} and "
-            f"replaces files of {DISTRIBUTION}: run pip uninstall shellcut {DISTRIBUTION}, then "
-            f"pip install {DISTRIBUTION}"
-        )
+    if Path(str(other.locate_file("shellcut"))).resolve() != package:
+        return ""
+    return (
+        f"another project, shellcut {other.version}, is installed in the same folder, {package}, "
+        f"and replaces files of {DISTRIBUTION}: run pip uninstall shellcut {DISTRIBUTION}, then "
+        f"pip install {DISTRIBUTION}"
+    )

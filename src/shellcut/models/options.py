@@ -15,7 +15,7 @@ from shellcut.tool.force_term import ForceTerm
 
 
 class ModelOptions(TypedDict, total=False):
-    """Arguments of :class:`Simulation` that no model sets itself; a type checker knows them."""
+    """Arguments of :class:`Simulation` that no model sets itself, for type checkers."""
 
     loads: Sequence[Load]
     contact: Contact | None
