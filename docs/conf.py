@@ -39,6 +39,7 @@ html_theme_options = {"top_of_page_buttons": []}
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 80  # longer ones have a line for each argument
 autodoc_typehints = "none"  # the docstrings tell kinds, shapes and units
 napoleon_google_docstring = False
 napoleon_use_ivar = True
