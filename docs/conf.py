@@ -43,6 +43,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]  # GitHub shows ```math as a formula, too
 
 autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 80  # longer ones have a line for each argument
 autodoc_typehints = "none"  # the docstrings tell kinds, shapes and units
 napoleon_google_docstring = False
 napoleon_use_ivar = True

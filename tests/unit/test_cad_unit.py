@@ -68,7 +68,7 @@ def test_a_stated_unit_is_in_the_note():
 
 def test_a_missing_gmsh_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(ImportError, match=r"needs Gmsh.* pip install 'shellcut\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"needs Gmsh.* pip install 'shellcut-fem\[mesh\]'"):
         read_tool(DATA / "two_teeth_inch.step")
 
 

@@ -13,8 +13,8 @@ from shellcut import mesh_from_drawing, read_drawing, read_model
 from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
 
-ezdxf = pytest.importorskip("ezdxf", reason="needs shellcut[outline]")
-pytest.importorskip("shapely", reason="needs shellcut[outline]")
+ezdxf = pytest.importorskip("ezdxf", reason="needs shellcut-fem[outline]")
+pytest.importorskip("shapely", reason="needs shellcut-fem[outline]")
 
 CUT = {"layer": "cut"}
 # A plate of 20 x 12 mm with a round end, a round and an elliptic hole.

@@ -80,7 +80,7 @@ def test_refusals(outline, holes, size, words):
 
 def test_a_missing_gmsh_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(ImportError, match=r"pip install 'shellcut\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[mesh\]'"):
         mesh_from_outline(L_SHAPE, size=1.0)
 
 

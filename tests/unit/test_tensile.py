@@ -159,7 +159,7 @@ def test_refusals(change, words):
 
 
 def test_the_command_writes_a_section_and_a_picture(tmp_path, capsys):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     path = write(tmp_path / "md.csv", *bilinear())
     out = tmp_path / "out"
     columns = ["--columns", "strain", "3", "--units", "%", "MPa"]

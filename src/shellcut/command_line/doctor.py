@@ -19,12 +19,13 @@ import h5py
 import numba
 import numpy as np
 
+from shellcut.files.distribution import DISTRIBUTION, pip_install
 from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.threads import available_cores
 
 from .exit_code import BAD_INPUT, DONE
 
-_REQUIRED = ("shellcut", "numpy", "scipy", "numba", "h5py", "meshio")
+_REQUIRED = (DISTRIBUTION, "numpy", "scipy", "numba", "h5py", "meshio")
 # What goes without an optional package, and the extra that brings it.
 _EXTRAS = {
     "matplotlib": ("pictures", "plot"),
@@ -49,7 +50,7 @@ def run(_: argparse.Namespace) -> int:
         try:
             print(f"{package:<15} {version(package)}")
         except PackageNotFoundError:
-            print(f"{package:<15} not installed: no {purpose} (pip install shellcut[{extra}])")
+            print(f"{package:<15} not installed: no {purpose} ({pip_install(extra)})")
     problems = list(_problems())
     for problem in problems:
         print(f"PROBLEM         {problem}")

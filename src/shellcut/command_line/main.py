@@ -6,10 +6,10 @@ import argparse
 import re
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
+from shellcut.files.distribution import VERSION, another_project
 from shellcut.model_file import ModelFileError
 from shellcut.signals import (
     INTERRUPTED,
@@ -85,6 +85,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
                 if isinstance(stream, TextIOWrapper):
                     stream.reconfigure(errors="backslashreplace")
+            if beside := another_project():
+                return refuse(beside)
             parser = parser_of_all()
             parser.refuse_parted_settings(sys.argv[1:] if argv is None else argv)
             arguments = parser.parse_args(argv)
@@ -127,7 +129,7 @@ def parser_of_all() -> _Parser:
         epilog=in_lines(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {version('shellcut')}")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in _COMMANDS:
         said, *more = [" ".join(part.split()) for part in str(command.__doc__).split("\n\n")]

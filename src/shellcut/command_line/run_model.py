@@ -6,11 +6,11 @@ import errno
 import time
 import traceback
 from contextlib import closing
-from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from shellcut.files.distribution import VERSION
 from shellcut.files.run_folder import CHECKPOINT, LOG, USED
 from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
@@ -53,7 +53,7 @@ def run_model(
     there, ``overwrite`` says whether it may be removed, ``force`` runs a model that a check
     refuses, where that can make sense.
     """
-    options = {"resume": resume, "replace": overwrite, "force": force}
+    options: dict[str, Any] = {"resume": resume, "replace": overwrite, "force": force}
     with log.library_said(), closing(log):
         try:
             if resume:
@@ -66,7 +66,7 @@ def run_model(
 
 
 def _ready(
-    model: Model, folder: Path, log: RunLog, options: dict[str, bool]
+    model: Model, folder: Path, log: RunLog, options: dict[str, Any]
 ) -> tuple[Case, Recorder] | int:
     """Return a case and the recorder of its run, which holds the folder with its files open.
 
@@ -83,14 +83,14 @@ def _ready(
         log.warn(refused(problem))
         return BAD_INPUT
     try:
-        kept = {"log": log.keep, "also": (USED, LOG)}
-        recorder = case.recorder(folder, **model.run_options(), **options, **kept)
+        options["log"] = log.keep
+        recorder = case.recorder(folder, also=(USED, LOG), **model.run_options(), **options)
         try:
             if not options["resume"]:
                 model.write(folder / USED)
             log.open(folder / LOG)
             digest = digest_of(folder / USED)
-            for line in (f"shellcut {version('shellcut')}, {USED} with sha256 {digest}", *lines):
+            for line in (f"shellcut {VERSION}, {USED} with sha256 {digest}", *lines):
                 log.say(line)
         except BaseException:
             recorder.give_up()
@@ -108,7 +108,7 @@ def _ready(
         return BAD_INPUT
 
 
-def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, list[str]]:
+def _built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, list[str]]:
     """Build, check and compile the model; return it with lines on its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation

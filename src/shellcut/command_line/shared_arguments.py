@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
+from shellcut.files.distribution import pip_install
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.source import parse_value
 from shellcut.model_file.spelling import in_keys
@@ -152,7 +153,7 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ImportError("--dask needs Dask: pip install 'shellcut[sweep]'") from None
+        raise ImportError(f"--dask needs Dask: {pip_install('sweep')}") from None
     from shellcut.numerics.threads import available_cores
 
     with contextlib.ExitStack() as close:

@@ -3,7 +3,7 @@
 Without options, write a page to turn the run, move through its frames and read values, and open it
 in the browser; it loads nothing from the network. The suffix of --output says what is wanted: the
 page, a picture of a frame, or a movie of all, with the same camera and scale. Pictures need
-shellcut[plot], an MP4 shellcut[movie].
+shellcut-fem[plot], an MP4 shellcut-fem[movie].
 
 example: shellcut view out -o cut.mp4 --field thickness --elevation 25 --hide mesh
 """

@@ -4,7 +4,7 @@ The kernel goes by the definition of a unit of STEP, never by its name: an SI pr
 of such units (``CONVERSION_BASED_UNIT``). What it cannot resolve it takes for millimetres; such a
 file is refused here.
 
-Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL). Each face has vertices of its
+Gmsh is an optional extra (``pip install 'shellcut-fem[mesh]'``, GPL). Each face has vertices of its
 own; :mod:`shellcut.tool.surface_repair` joins them.
 """
 

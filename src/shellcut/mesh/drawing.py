@@ -1,6 +1,6 @@
 """The outline of a film from a DXF drawing, by ezdxf and shapely: :func:`read_drawing`.
 
-ezdxf (``pip install 'shellcut[outline]'``, MIT) reads the curves and flattens them. Those whose
+ezdxf (``pip install 'shellcut-fem[outline]'``, MIT) reads the curves and flattens them. Those whose
 ends meet are joined into closed loops; the largest loop is the outline, the others are its holes.
 Assumptions are logged as warnings of the logger ``shellcut.drawing``.
 """
@@ -19,6 +19,7 @@ import scipy
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
+from shellcut.files.distribution import pip_install
 from shellcut.formats.budget import Budget
 from shellcut.formats.errors import (
     FileError,
@@ -214,7 +215,7 @@ def _document(path: Path) -> tuple[Any, float | None]:
         from ezdxf.filemanagement import readfile
     except ImportError:
         raise ImportError(
-            f"{path}: reading DXF needs ezdxf, an optional extra: pip install 'shellcut[outline]'"
+            f"{path}: reading DXF needs ezdxf, an optional extra: {pip_install('outline')}"
         ) from None
     if path.suffix.lower() != ".dxf":
         raise FileError(path, "the name must end in .dxf; save the drawing as DXF")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, product
+from shellcut.files.distribution import pip_install
 from shellcut.formats.errors import point_text
 
 _NAMED = 4
@@ -80,6 +81,6 @@ def shapely_or_error() -> Any:
         import shapely
     except ImportError:
         raise ImportError(
-            "outlines need shapely, an optional extra: pip install 'shellcut[outline,mesh]'"
+            f"outlines need shapely, an optional extra: {pip_install('outline', 'mesh')}"
         ) from None
     return shapely

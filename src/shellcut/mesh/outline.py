@@ -1,6 +1,6 @@
 """A film meshed from its outline by Gmsh: :func:`mesh_from_outline`.
 
-Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL), and has a process of its own.
+Gmsh is an optional extra (``pip install 'shellcut-fem[mesh]'``, GPL), and has a process of its own.
 The boundary is divided here, into an even number of edges per loop: with an odd number no mesh of
 quads only exists. Inside, Blossom pairs Gmsh's frontal-Delaunay triangles to quads; on discs the
 smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -23,6 +23,10 @@ from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp, Notch
+from .options import CutOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _ROUND_OFF = 1e-9
 
@@ -38,7 +42,7 @@ def free_cut(
     clamp: Clamp = (),
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[CutOptions],
 ) -> Case:
     """Build a cut from its parts.
 
@@ -64,20 +68,19 @@ def free_cut(
     -------
     Case
     """
-    fracture = with_path(mesh, tool, motion, duration, options.pop("fracture", None))
+    fracture = with_path(mesh, tool, motion, duration, options.get("fracture"))
+    options["fracture"] = fracture
     through_quads, film = fracture.path == "free", mesh
     way = whole_sweep(mesh, tool, motion, duration) if notch and tool.n_edge else None
     if way and not through_quads:
         film = mesh.cut(_first_edges(way, notch))
-    held = [*map(Support.clamped, clamp), *options.pop("supports", ())]
+    options["supports"] = [*map(Support.clamped, clamp), *options.get("supports", ())]
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
         tool=tool,
         motion=motion,
         law=law or CohesiveLaw(),
-        fracture=fracture,
-        supports=held,
         **options,
     )
     if way and through_quads:

@@ -11,7 +11,7 @@ width w, and F = h ∫_0^w sigma dl. A blade that also moves along its edge slic
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -29,6 +29,10 @@ from shellcut.tool.tool import Tool
 
 from .case import PAPER_DAMPING, Case, Clamp, Notch, damped_by, time_of_way
 from .free_cut import free_cut, with_path
+from .options import CutOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
 # of the paper, little beside the way to the first cable.
@@ -80,7 +84,7 @@ def guillotine(
     tool: Tool | None = None,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[CutOptions],
 ) -> Case:
     """Build the guillotine.
 
@@ -122,7 +126,8 @@ def guillotine(
     blade, motion, duration = blade_before(
         strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables
     )
-    fracture = with_path(strip, blade, motion, duration, options.pop("fracture", None))
+    fracture = with_path(strip, blade, motion, duration, options.get("fracture"))
+    options["fracture"] = fracture
     y, through_quads = _lane_of(blade, strip), fracture.path == "free"
     film = strip if through_quads or notch <= 0.0 else _notched(strip, y, notch)
     cut = free_cut(
@@ -133,7 +138,6 @@ def guillotine(
         clamp=clamp,
         material=material,
         law=cables,
-        fracture=fracture,
         **options,
     )
     if notch > 0.0 and through_quads:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
@@ -22,7 +22,11 @@ from shellcut.tool.tool import Tool
 
 from .case import PAPER_DAMPING, Case, Clamp, damped_by
 from .free_cut import free_cut
+from .options import CutOptions
 from .path_film import film_along_path
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 OpeningMesh = Literal["quick", "M1", "M2", "path"]
 
@@ -41,7 +45,7 @@ def opening_test(
     clamp: Clamp = ("rim",),
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[CutOptions],
 ) -> Case:
     """Build the opening test: a disc of the package, or a flat film of your own.
 
@@ -86,9 +90,10 @@ def opening_test(
         )
     else:
         options, film = damped_by(PAPER_DAMPING, options), opening_disc(mesh)
-    contact = options.pop("contact", None) or Contact()
+    contact = options.get("contact") or Contact()
     if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
         contact = replace(contact, film_edges=True)
+    options["contact"] = contact
     cut = free_cut(
         film,
         tool=cutter,
@@ -97,7 +102,6 @@ def opening_test(
         clamp=clamp,
         material=material,
         law=law,
-        contact=contact,
         **options,
     )
     return replace(cut, name="opening")

@@ -8,7 +8,7 @@ tip that points backwards.
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -27,6 +27,10 @@ from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
 from .case import Case, damped_by, time_of_way
+from .options import ModelOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 BAR_LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
@@ -137,7 +141,7 @@ def oscillating(
     speed: Annotated[float, Option("mm/s", "after a ramp of 1 ms", above=0)] = 3000.0,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[ModelOptions],
 ) -> Case:
     """Build the oscillating cut.
 
@@ -169,12 +173,10 @@ def oscillating(
         mesh = film_before(diameter, size=size, length=length, width=width, band=band)
     extent = float(np.ptp(mesh.nodes[:, 0]))
     duration = duration_of(diameter, extent, travel=travel, speed=speed)
-    chosen = {
-        "contact": BAR_CONTACT,
-        "fracture": BAR_FRACTURE,
-        **damped_by(STIFFNESS_DAMPING, options),
-    }
-    if chosen["fracture"].needed_path not in (None, "free"):
+    fracture = options.get("fracture") or BAR_FRACTURE
+    options["fracture"] = fracture
+    chosen: ModelOptions = {"contact": BAR_CONTACT, **damped_by(STIFFNESS_DAMPING, options)}
+    if fracture.needed_path not in (None, "free"):
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
     simulation = Simulation(
         mesh,

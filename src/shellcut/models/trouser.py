@@ -7,7 +7,7 @@ strip; the defaults are so chosen.
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
@@ -20,6 +20,10 @@ from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
 from .case import PAPER_DAMPING, Case, damped_by, time_of_way
+from .options import ModelOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
@@ -79,7 +83,7 @@ def trouser(
     ramp: Annotated[float, Option("s", "time over which it rises", least=0)] = 3e-4,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[ModelOptions],
 ) -> Case:
     """Build the trouser test.
 
@@ -110,16 +114,14 @@ def trouser(
         Support(leg, translation="yz", rotation="", velocity={"z": Ramped(rate, ramp)})
         for leg, rate in (("up", speed), ("down", -speed))
     ]
+    chosen: ModelOptions = {"fracture": TEAR_FRACTURE, "damping_alpha": MASS_DAMPING}
+    chosen |= damped_by(PAPER_DAMPING, options)
     simulation = Simulation(
         mesh,
         material or ShellMaterial.homogeneous(thickness=THICKNESS),
         supports=[Support.clamped("tail"), *legs],
         law=law or TEAR_LAW,
-        **{
-            "fracture": TEAR_FRACTURE,
-            "damping_alpha": MASS_DAMPING,
-            **damped_by(PAPER_DAMPING, options),
-        },
+        **chosen,
     )
     if simulation.fracture.path != "free":
         raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")
