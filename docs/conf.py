@@ -8,6 +8,8 @@ import re
 import sys
 from pathlib import Path
 
+from sphinx.addnodes import pending_xref
+
 import shellcut
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -23,6 +25,7 @@ version = release = shellcut.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
 ]
@@ -38,12 +41,15 @@ html_theme_options = {"top_of_page_buttons": []}
 
 myst_heading_anchors = 3
 
+autosummary_generate = False  # the pages of api/ are written by hand
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
+python_maximum_signature_line_length = 88  # a longer one has a line for each argument
 autodoc_typehints = "none"  # the docstrings tell kinds, shapes and units
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
-suppress_warnings = ["ref.python"]  # several classes have a field `name`: any of them will do
 
 PAGES = {
     "First steps": ["install", "first-cut", "questions", "gallery/index"],
@@ -99,7 +105,7 @@ PAGES = {
         "model-keys",
         "materials",
         "command-line",
-        "api",
+        "api/index",
         "versions",
         "glossary",
         "architecture",
@@ -123,6 +129,7 @@ sphinx_gallery_conf = {
     "filename_pattern": rf"^((?!{NOT_RUN}).)*\.py$",
     "within_subsection_order": "gallery_run.InOrder",
     "reset_argv": QuickSettings(),
+    "image_scrapers": ("gallery_run.draw_thumbnail", "matplotlib"),
     "capture_repr": ("_repr_html_",),
     "reset_modules": (),
     "abort_on_example_error": True,
@@ -149,6 +156,19 @@ def adapt(app, docname, source):
             source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{entries}\n```\n"
 
 
+def unlink_words(app, doctree):
+    """Leave words of a kind, as *shape* in "ndarray, shape (3,)", without links.
+
+    Sphinx takes each word for the name of a class and, where there is none, for that of a field.
+    Our classes begin with capitals.
+    """
+    for link in list(doctree.findall(pending_xref)):
+        name = link.get("reftarget", "").rpartition(".")[2]
+        if link.get("reftype") == "class" and not name[:1].isupper():
+            link.replace_self(link.children)
+
+
 def setup(app):
     """Let pages be adapted as they are read."""
     app.connect("source-read", adapt)
+    app.connect("doctree-read", unlink_words)
