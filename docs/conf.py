@@ -147,28 +147,35 @@ OUTSIDE = re.compile(r"\]\(((?:\.\./)+[A-Z]+\.md)\)")
 def adapt(app, docname, source):
     """Make of a page for GitHub one for the site.
 
-    The start page gets the tables of contents; files outside the site become downloads.
+    The start page gets the tables of contents, that of verification its chapters; files outside the
+    site become downloads.
     """
     source[0] = OUTSIDE.sub(r"](path:\1)", source[0])
+    if docname == "verification":
+        cases = source[0].partition("## Published cases")[2]
+        chapters = dict.fromkeys(re.findall(r"\((verification/[\w-]+)\.md\)", cases))
+        source[0] += "\n```{toctree}\n:hidden:\n\n" + "\n".join(chapters) + "\n```\n"
     if docname == "index":
         for caption, pages in PAGES.items():
             entries = "\n".join(pages)
             source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{entries}\n```\n"
 
 
-def unlink_words(app, doctree):
-    """Leave words of a kind, as *shape* in "ndarray, shape (3,)", without links.
+def adapt_links(app, doctree):
+    """Link names of the API wherever they are named; leave other words of a kind without links.
 
-    Sphinx takes each word for the name of a class and, where there is none, for that of a field.
-    Our classes begin with capitals.
+    Sphinx takes each word of a kind, as *shape* in "ndarray, shape (3,)", for the name of a class
+    and, where there is none, for that of a field. Our classes begin with capitals.
     """
     for link in list(doctree.findall(pending_xref)):
         name = link.get("reftarget", "").rpartition(".")[2]
         if link.get("reftype") == "class" and not name[:1].isupper():
             link.replace_self(link.children)
+        elif link.get("reftype") in ("class", "exc", "func"):
+            link["refspecific"] = True  # "Recorder" is found from any module
 
 
 def setup(app):
     """Let pages be adapted as they are read."""
     app.connect("source-read", adapt)
-    app.connect("doctree-read", unlink_words)
+    app.connect("doctree-read", adapt_links)

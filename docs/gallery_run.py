@@ -93,5 +93,6 @@ def _last_frame(block_vars):
             return run.frame(-1)
     for value in block_vars["example_globals"].values():
         if isinstance(value, shellcut.Simulation) and value.state.time > 0.0:
-            return Exposure.of(value).frame()
+            exposed = Exposure.of(value, coordinate=0.0, coordinate_name="", coordinate_unit="")
+            return exposed.frame()
     return None
