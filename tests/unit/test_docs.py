@@ -217,6 +217,12 @@ def test_the_site_has_every_page_and_the_start_page_leads_to_it():
     listed = {name for names in pages.values() for name in names}
     stored = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
     stored = {path.with_suffix("").as_posix() for path in stored if "gallery" not in path.parts}
+    chapters = {name for name in stored if name.startswith("verification/")}
+    cases = (
+        (ROOT / "docs" / "verification.md").read_text("utf-8").partition("## Published cases")[2]
+    )
+    assert chapters == set(re.findall(r"\]\((verification/[\w-]+)\.md\)", cases))
+    stored -= chapters
     assert stored - {"index"} == listed - {"api/index", "gallery/index"}
     start = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     linked = {target.removesuffix(".md") for target in re.findall(r"\]\(([\w/-]+\.md)\)", start)}
