@@ -25,9 +25,9 @@ version = release = shellcut.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
+    "sphinx.ext.autosummary",
 ]
 exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "sg_execution_times.rst"]
 html_theme = "furo"
