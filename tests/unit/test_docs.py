@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import shellcut
 from browser import CHROMIUM
 from page_tables import tables
 from shellcut.model_file.key_index import QUESTIONS
@@ -234,10 +235,28 @@ def test_the_site_has_every_page_and_the_start_page_leads_to_it():
     listed = {name for names in pages.values() for name in names}
     stored = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
     stored = {path.with_suffix("").as_posix() for path in stored if "gallery" not in path.parts}
-    assert stored - {"index"} == listed - {"api", "gallery/index"}
+    chapters = {name for name in stored if name.startswith("verification/")}
+    cases = (
+        (ROOT / "docs" / "verification.md").read_text("utf-8").partition("## Published cases")[2]
+    )
+    assert chapters == set(re.findall(r"\]\((verification/[\w-]+)\.md\)", cases))
+    stored -= chapters
+    assert stored - {"index"} == listed - {"api/index", "gallery/index"}
     start = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     linked = {target.removesuffix(".md") for target in re.findall(r"\]\(([\w/-]+\.md)\)", start)}
     assert linked == stored - {"index"}
+
+
+def test_every_public_name_is_on_one_page_of_the_api():
+    pages = {path.stem: path.read_text("utf-8") for path in (ROOT / "docs/api").glob("*.rst")}
+    index = pages.pop("index")
+    shown = re.findall(r"^\.\. auto\w+:: (\S+)$", "\n".join(pages.values()), re.MULTILINE)
+    assert {f"shellcut.{name}" for name in shellcut.__all__} - set(shown) == set()
+    assert [name for name, n in Counter(shown).items() if n > 1] == []
+    listed = re.findall(r"^   ([\w.]+)$", index, re.MULTILINE)
+    assert set(pages) <= set(listed)
+    missing = [one for one in shown if not re.search(rf"^   {one[9:]}\b", index, re.MULTILINE)]
+    assert missing == []
 
 
 def is_kernel(node):

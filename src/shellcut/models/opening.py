@@ -49,10 +49,10 @@ def opening_test(
 ) -> Case:
     """Build the opening test: a disc of the package, or a flat film of your own.
 
+    For quads of other sizes along the path see :func:`film_along_path`.
+
     Parameters
     ----------
-    mesh : str or Mesh
-        For other sizes along the path see :func:`film_along_path`.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     material, law : ShellMaterial, CohesiveTable, optional
