@@ -1,6 +1,6 @@
 """The fast verification cases, one test each; all of them by ``run.py``.
 
-docs/verification.md shows their values, which must be the present ones.
+docs/verification/ shows their values, which must be the present ones.
 """
 
 import json
