@@ -1,6 +1,6 @@
 """The fast verification cases, one test each; all of them by ``run.py``.
 
-docs/verification.md shows their figures, which are those of today.
+docs/verification/ shows their figures, which are those of today.
 """
 
 import json
