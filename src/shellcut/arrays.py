@@ -90,10 +90,10 @@ def node_rows(name: str, values: Any, n_node: int) -> Floats:
     """Return three finite numbers a node, shape (n_node, 3); ValueError, by the name, if not."""
     rows = np.asarray(values, dtype=np.float64)
     if rows.shape != (n_node, 3):
-        raise ValueError(f"{name} must have shape ({n_node}, 3), a row a node, got {rows.shape}")
+        raise ValueError(f"{name} must have shape ({n_node}, 3), a row per node, got {rows.shape}")
     if not np.isfinite(rows).all():
         bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))[:5].tolist()
-        raise ValueError(f"{name} must be finite, is not at nodes {bad}")
+        raise ValueError(f"{name} must be finite, but is not at nodes {bad}")
     return rows
 
 

@@ -273,7 +273,7 @@ def conversion(unit: str, to: str) -> float:
     return float(size / target)
 
 
-_WANTED: ContextVar[str] = ContextVar("units in which figures are shown", default="")
+_WANTED: ContextVar[str] = ContextVar("units of the values shown", default="")
 
 
 @contextmanager

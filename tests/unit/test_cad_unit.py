@@ -16,7 +16,7 @@ DATA = Path(__file__).parent / "data"
 @pytest.mark.parametrize(
     ("flag", "length"),
     [
-        ("3,5HSMOOT", "got '3' and 'SMOOT': OpenCASCADE takes others for mm"),
+        ("3,5HSMOOT", "got '3' and 'SMOOT': OpenCASCADE reads others as mm"),
         ("2,2HMM", 1.0),
         ("6,1HM", 1e3),
         ("3,4HINCH", 25.4),

@@ -110,8 +110,7 @@ class CohesiveTable:
     joint: Annotated[
         Joint,
         Option(
-            "",
-            "what a cable does at the cutting edge: stick to its point, slip with friction, slide",
+            "", "at the cutting edge a cable sticks to its point, slips with friction, or slides"
         ),
     ] = "adhesion"
     joint_friction: Annotated[float, Option("", "mu of joint = slip", least=0)] = 0.0
@@ -119,19 +118,19 @@ class CohesiveTable:
         float | None,
         Option(
             "N/mm",
-            "G_0, taken by a cut with a razor, kJ/m²: an edge of radius r severs cables at G_0 + 2 "
-            "r H",
+            "G_0, fracture energy of a cut with a razor, kJ/m²; a cutting edge of radius r severs "
+            "cables at G_0 + 2 r H",
             above=0,
-            unset="a cut needs the area of the law",
+            unset="the area below the law",
         ),
     ] = None
     severing_pressure: Annotated[
         float | None,
         Option(
             "MPa",
-            "H, under which an edge with a radius severs the film",
+            "H, pressure under which a cutting edge with a radius severs the film",
             above=0,
-            unset="only for edges without a radius",
+            unset="only for cutting edges without a radius",
         ),
     ] = None
 
@@ -153,7 +152,7 @@ class CohesiveTable:
         length, stress = np.array(self.openings), np.array(self.tractions)
         if len(length) != len(stress) or len(length) < 2:
             return [
-                "openings and tractions must be as many, 2 points at least, got "
+                "openings and tractions must have the same number of points, at least 2, got "
                 f"{len(length)} and {len(stress)}"
             ]
         rises, falls = np.diff(length) > 0.0, np.diff(stress) <= 0.0
@@ -180,7 +179,7 @@ class CohesiveTable:
             )
         elif self.joint != "slip" and mu:
             problems.append(
-                f"joint_friction is of joint = 'slip', got {mu!r} with joint = {self.joint!r}"
+                f"joint_friction belongs to joint = 'slip', got {mu!r} with joint = {self.joint!r}"
             )
         return problems
 
@@ -188,11 +187,11 @@ class CohesiveTable:
         least, whole = self.cutting_energy, self.fracture_energy
         if least is None:
             given = self.severing_pressure is not None
-            return ["severing_pressure needs cutting_energy, that of a razor: give both"] * given
+            return ["severing_pressure needs cutting_energy, of a razor: give both"] * given
         if least > whole:
             return [
-                "cutting_energy must not exceed the fracture energy of the law, which tears it, "
-                f"{whole:.4g} N/mm, got {least}"
+                f"cutting_energy must not exceed the fracture energy of the law, {whole:.4g} "
+                f"N/mm, got {least}"
             ]
         try:
             self.at_edge(0.0)
@@ -211,8 +210,8 @@ class CohesiveTable:
     def bilinear(
         *,
         strength: Strength,
-        knee_opening: Annotated[float, Option("mm", "where the law turns", above=0)],
-        knee_traction: Annotated[float, Option("MPa", "at which the law turns", above=0)],
+        knee_opening: Annotated[float, Option("mm", "cable length at the knee", above=0)],
+        knee_traction: Annotated[float, Option("MPa", "stress at the knee", above=0)],
         opening_u: End,
         **cables: Any,
     ) -> CohesiveTable:

@@ -37,8 +37,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.settings:
         settings = " ".join(f"--set {one}" for one in arguments.settings)
         return refuse(
-            f"resume goes on with the model as the run began, without {settings}; for another "
-            f"value begin a run: shellcut run {used} {settings} -o OTHER"
+            f"resume continues with the model of the run's start, without {settings}; for another "
+            f"value start a new run: shellcut run {used} {settings} -o OTHER"
         )
     refuse_if_in_use(folder)
     model = read_model(used)

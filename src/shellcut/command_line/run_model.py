@@ -68,7 +68,7 @@ def run_model(
 def _ready(
     model: Model, folder: Path, log: RunLog, options: dict[str, bool]
 ) -> tuple[Case, Recorder] | int:
-    """Return a case and the recorder of its run, which holds the folder with its files open.
+    """Return a case and the recorder of its run, which locks the folder and has its files open.
 
     Or the exit code if it cannot run.
     """
@@ -166,7 +166,7 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
 
 
 def _remedy(problem: Exception, folder: Path) -> str:
-    """Return what to do about a run that failed on the way."""
+    """Return what to do about a run that failed."""
     full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
     cause = "free space" if full else "remove the cause"
     if (folder / CHECKPOINT).exists():

@@ -30,8 +30,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         text = f"{what} of strain (or extension) and of stress (or force)"
         parser.add_argument(name, metavar=("X", "Y"), nargs=2, required=True, help=text)
     for name, what, unit in (
-        ("--gauge-length", "length over which an extension was measured", "MM"),
-        ("--section", "width times thickness of the specimen, for a force", "MM2"),
+        ("--gauge-length", "length over which the extension was measured", "MM"),
+        ("--section", "width times thickness of the specimen, if Y is a force", "MM2"),
     ):
         parser.add_argument(name, metavar=unit, type=float, help=what)
     parser.add_argument(

@@ -54,7 +54,7 @@ class FileList:
         if foreign:
             more = f" and {n} more" if (n := len(foreign) - _MOST_NAMED) > 0 else ""
             who = "this run" if self._record == FILES else "shellcut"
-            by = "no run" if self._record == FILES else "no command of it"
+            by = "no run" if self._record == FILES else "none of its commands"
             raise FileExistsError(
                 f"{self._folder} has {', '.join(foreign[:_MOST_NAMED])}{more}, which {who} would "
                 f"replace although {by} wrote it ({self._record} does not list it): move it away, "

@@ -39,7 +39,7 @@ def unfollowed(path: str, flags: int) -> int:
     file = os.open(path, flags | _FLAGS, 0o666)
     if not stat.S_ISREG(os.fstat(file).st_mode):
         os.close(file)
-        raise OSError(f"{path} must be a regular file: move what has its name away")
+        raise OSError(f"{path} must be a regular file: move away what has this name now")
     return file
 
 

@@ -215,8 +215,8 @@ class _Reader(Deck):
                 step = line.integer(2) if len(line.entries) > 2 and line.entries[2] else 1
                 if step < 1 or last < first or (last - first) % step:
                     raise line.error(
-                        "GENERATE must go from a first id up to a last one by a step that divides "
-                        f"the difference, got {first}, {last}, {step}"
+                        "GENERATE must have a first id, a last id and a step that divides their "
+                        f"difference, got {first}, {last}, {step}"
                     )
                 self.budget.take("ids in its sets", (last - first) // step + 1)
                 entries.append(Entry(line, range(first, last + 1, step), instance=instance))

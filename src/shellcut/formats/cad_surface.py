@@ -153,9 +153,9 @@ def _of_step(path: Path, content: bytes) -> list[float]:
             called = f" {name.decode('latin-1')!r}" if name else ""
             raise FileError(
                 path,
-                f"its unit of length{called}, #{tag.decode()}, must be a metre with a prefix, or a "
-                "number of these above 0: other units OpenCASCADE takes for mm; write the file in "
-                "mm",
+                f"its unit of length{called}, #{tag.decode()}, must be a metre with a prefix, or "
+                "a number of these above 0: OpenCASCADE reads other units as mm; write the file "
+                "in mm",
             )
         lengths.add(float(f"{length:.12g}"))  # 0.0254 of a metre is 25.4 mm
     return sorted(lengths)
@@ -188,6 +188,6 @@ def _of_iges(path: Path, section: bytes) -> list[float]:
             path,
             f"the flag of its unit must be 1 to {max(_IGES_FLAGS)}, or 3 with a name among "
             f"{', '.join(filter(None, _IGES_NAMES))}, got {flag!r} and {name.strip()!r}: "
-            "OpenCASCADE takes others for mm; write the file in mm",
+            "OpenCASCADE reads others as mm; write the file in mm",
         )
     return [_IGES_FLAGS[number]]

@@ -100,8 +100,8 @@ class NumberTable:
         if len(mark) == 2:
             (point, at), (comma, there) = mark["."], mark[","]
             problems.append(
-                f"decimals must be written one way, got {point!r} in line {at} and {comma!r} in "
-                f"line {there}; thousands separators are not read"
+                f"all numbers must have the same decimal sign, got {point!r} in line {at} and "
+                f"{comma!r} in line {there}; thousands separators are not read"
             )
         if problems:
             more = len(problems) - _MOST_PROBLEMS

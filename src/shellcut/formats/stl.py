@@ -37,8 +37,8 @@ def read_stl(path: str | Path) -> SurfaceFile:
         held = (len(content) - start) / _RECORD.itemsize
         raise FileError(
             path,
-            f"an STL file must begin with 'solid' or hold as many triangles as it declares, got "
-            f"{max(declared, 0)} declared and room for {max(held, 0.0):.6g}; is it cut short?",
+            "an STL file must begin with 'solid' or hold as many triangles as it declares, got "
+            f"{max(declared, 0)} declared and data for {max(held, 0.0):.6g}; is it cut short?",
         )
     points = _text_corners(path)
     return SurfaceFile(path, points, _in_order(len(points) // 3))

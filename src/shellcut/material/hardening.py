@@ -145,7 +145,7 @@ def hardening_problems(hardening: object) -> list[str]:
 
 
 SOFTENING = "a film that softens localises in one row of quads"
-YieldStress: TypeAlias = Annotated[float, Option("MPa", "at which it yields, true", above=0)]
+YieldStress: TypeAlias = Annotated[float, Option("MPa", "true stress at which it yields", above=0)]
 Modulus: TypeAlias = Annotated[
     float,
     Option("MPa", "H, rise of the yield stress over plastic strain", least=0, why=SOFTENING),
@@ -171,9 +171,9 @@ def Swift(
         float, Option("MPa", "K of the yield stress K (start + p)^exponent", above=0)
     ],
     start: Annotated[
-        float, Option("", "of Swift's law; with 0 the film would yield at no stress", above=0)
+        float, Option("", "start of Swift's law; with 0 the film would yield at no stress", above=0)
     ],
-    exponent: Annotated[float, Option("", "of Swift's law", least=0, most=1)],
+    exponent: Annotated[float, Option("", "exponent of Swift's law", least=0, most=1)],
 ) -> Table:
     """Return the table of K (ε_0 + p)^n within 1e-4, to a plastic strain of 100.
 

@@ -270,7 +270,7 @@ class Plastic(WithElasticPart):
     ] = None
     rate: RateFactor | None = None
     angle_deg: Annotated[
-        float, Option("deg", "of the axes of r_values from the film's direction")
+        float, Option("deg", "angle from the film's direction to the axes of r_values")
     ] = 0.0
 
     def __post_init__(self) -> None:

@@ -289,14 +289,15 @@ def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> N
             lambda k: f"{place(ends[k, 0], X)} to {place(ends[k, 1], X)} with {edges.n_quad[k]}",
         )
         problems.append(
-            f"edges must have one or two quads, got {told}; a T-joint has no single director, "
-            "five-parameter nodes are for smooth shells only: model one sheet"
+            f"a side must belong to one or two quads, got {told}; a T-joint has no single "
+            "director, five-parameter nodes are for smooth shells only: model one sheet"
         )
     one, two, alike = edges.neighbours()
     if not alike.all():
         problems.append(
-            "neighbouring quads must turn the same way, got opposite orientation in "
-            f"{_quad_pairs(one[~alike], two[~alike], X, Q)}; reverse the node order of one side"
+            "neighbouring quads must have the same orientation, got opposite orientation in "
+            f"{_quad_pairs(one[~alike], two[~alike], X, Q)}; reverse the node order of the quads "
+            "on one side"
         )
     # one open fan has two rim spokes; more mean that the node connects quads like a hinge
     spokes = np.bincount(edges.nodes[edges.n_quad == 1].ravel(), minlength=len(X))
@@ -304,7 +305,7 @@ def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> N
     if len(pinched) and not len(crowded) and len(edges.quads) == Q.size:
         problems.append(
             f"the quads of a node must form one fan, got {_places(pinched, X)} joining parts that "
-            "share no edge; duplicate the node or add quads between"
+            "share no side; duplicate the node or add quads between"
         )
 
 
@@ -316,7 +317,7 @@ def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bool
     flat &= among
     if flat.any():
         problems.append(
-            "quads must have an area and four edges, got "
+            "quads must have an area and four sides, got "
             f"{_quad_places(np.flatnonzero(flat), X, Q)} degenerate or a bow-tie; merge nodes at "
             "one place, put the four corners in order around the quad"
         )
@@ -346,8 +347,8 @@ def _check_folds(
             f"normals of neighbouring quads must differ by {limit_deg:g} degrees at most, got "
             f"{named(angle[folded], '{:.1f}'.format)} between "
             f"{_quad_pairs(one[folded], two[folded], X, Q)}; five-parameter nodes are for smooth "
-            "shells only: refine a curved sheet, round a fold by several quads across it; one that "
-            "stays sharp cannot be modelled"
+            "shells only: refine a curved sheet, round a fold by several quads across it; a sharp "
+            "fold cannot be modelled"
         )
 
 
@@ -383,8 +384,8 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
     limit = _QUAD_LEAN_DEG + _LEAN_OF_FOLD * fold
     if len(bad := np.flatnonzero(lean > limit)):
         problems.append(
-            "directors must stand on the film, the mean of a quad's within "
-            f"{_QUAD_LEAN_DEG:g} degrees of its normal where the film is flat, got "
+            "directors must be normal to the film: their mean over a quad within "
+            f"{_QUAD_LEAN_DEG:g} degrees of the quad's normal where the film is flat, got "
             f"{_quad_places(bad, X, Q)} with directors that lean by "
             f"{named(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
             "them out for the mean normals"
@@ -397,7 +398,7 @@ def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: l
     if len(bad := np.flatnonzero(lean > limit + _LEAN_OF_FOLD * sharpest)):
         problems.append(
             f"directors must lie within {_NODE_LEAN_DEG:g} degrees of the mean normal of their "
-            f"quads, at the rim within {_RIM_LEAN_DEG:g}, where the film is flat, got "
+            f"quads, at the border within {_RIM_LEAN_DEG:g}, where the film is flat, got "
             f"{_places(bad, X)} that lean by {named(lean[bad], '{:.3g}'.format)} degrees; give "
             "normals of the surface, or leave them out for the mean normals"
         )

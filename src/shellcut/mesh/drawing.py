@@ -88,7 +88,7 @@ Layers: TypeAlias = Annotated[
 ]
 ChordDeviation: TypeAlias = Annotated[
     float | None,
-    Option("mm", "of polygons from arcs and splines", above=0, unset="1e-4 of the diagonal"),
+    Option("mm", "most distance of polygons from curves", above=0, unset="1e-4 of the diagonal"),
 ]
 Join: TypeAlias = Annotated[
     float | None,
@@ -411,7 +411,7 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
         raise FileError(
             path,
             f"all loops must lie in the largest, of {area_of(loops[largest]):.4g} mm², apart, and "
-            f"not in each other: {'; '.join(problems)}; choose the layers of one film, or "
-            "mend the drawing",
+            f"not in each other: {'; '.join(problems)}; choose the layers of one film, or correct "
+            "the drawing",
         )
     return FilmOutline(loops[largest], tuple(p for k, p in enumerate(loops) if k != largest))

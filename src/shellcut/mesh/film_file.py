@@ -64,19 +64,18 @@ def read_film(
     ] = "refuse",
     quadratic: Annotated[
         Quadratic,
-        Option("", "what to do with quadratic cells: corners takes these, and straight sides"),
+        Option("", "what to do with quadratic cells: corners uses corners and straight sides"),
     ] = "refuse",
     leave_out: Annotated[
         Collection[str],
-        Option("", "kinds of other cells to leave out, as the message names them", form="names"),
+        Option("", "kinds of other cells to leave out, by the names in the message", form="names"),
     ] = (),
     merge: Annotated[
-        float | None,
-        Option("mm", "merge nodes closer than this", above=0, unset="no merging"),
+        float | None, Option("mm", "nodes closer than this are merged", above=0, unset="no merging")
     ] = None,
-    max_fold_deg: Annotated[float, Option("deg", "sharpest fold allowed")] = 60.0,
+    max_fold_deg: Annotated[float, Option("deg", "largest angle between two quads")] = 60.0,
     refine: Annotated[
-        int, Option("", "times that each quad is divided in four", least=0, most=6)
+        int, Option("", "number of times that each quad is divided in four", least=0, most=6)
     ] = 0,
 ) -> Mesh:
     """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu, .vtp and .vtk.

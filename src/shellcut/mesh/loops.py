@@ -61,7 +61,7 @@ def not_one_film(
             continue
         how = "crosses" if shapely.overlaps(polygons[one], polygons[other]) else "touches"
         if how == "touches" and apart:
-            how += f" (or comes closer than {apart:.2g} mm to)"
+            how += f" (or lies within {apart:.2g} mm of)"
         problems.append(f"{names[one]} {how} {names[other]} at {point_text(place)}")
     if problems:
         return problems

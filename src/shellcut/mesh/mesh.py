@@ -258,7 +258,7 @@ class Mesh:
         mask = np.asarray(predicate(*self.nodes.T))
         if mask.shape != (self.n_node,) or mask.dtype != np.bool_:
             raise MeshError(
-                f"predicate must return {self.n_node} bools, one a node, got shape {mask.shape} "
+                f"predicate must return {self.n_node} bools, one per node, got shape {mask.shape} "
                 f"of {mask.dtype}; compare the arrays x, y, z it is given, joined by & and |"
             )
         return np.flatnonzero(mask).astype(np.int64)
@@ -350,8 +350,8 @@ class Mesh:
                 parents.append(node)
         if not parents:
             raise MeshError(
-                f"a line of one edge between two inner nodes opens nothing, got nodes {line}; "
-                "add an edge, or start on the boundary"
+                f"a line of one side between two inner nodes opens nothing, got nodes {line}; add "
+                "a side, or start on the border"
             )
         copies = np.array(parents, dtype=np.int64)
         ids = self.n_node + np.arange(len(copies))
@@ -399,13 +399,13 @@ class Mesh:
                     if len(ids) > 1
                 )
                 problems.append(
-                    f"line_of_nodes must follow mesh edges, got {place(i, self.nodes)} to "
-                    f"{place(j, self.nodes)} that no edge joins; name every node between{hint}"
+                    f"line_of_nodes must follow sides of quads, got {place(i, self.nodes)} to "
+                    f"{place(j, self.nodes)} that no side joins; name every node between{hint}"
                 )
             elif count == 1:
                 problems.append(
-                    f"edges to cut must have quads on both sides, got {place(i, self.nodes)} to "
-                    f"{place(j, self.nodes)} on the boundary or cut before; leave it out"
+                    f"line_of_nodes must have quads on either hand, got {place(i, self.nodes)} to "
+                    f"{place(j, self.nodes)} on the border or on a cut; leave it out"
                 )
         if problems:
             raise error(problems)

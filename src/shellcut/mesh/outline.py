@@ -54,29 +54,29 @@ _GMSH = GmshProcess(
     "meshing an outline",
 )
 
-QuadSize: TypeAlias = Annotated[float, Option("mm", "edge length of the quads, about", above=0)]
+QuadSize: TypeAlias = Annotated[float, Option("mm", "side length of the quads, about", above=0)]
 
 
 @checked
 def mesh_from_outline(
     outline: Annotated[
-        npt.ArrayLike, Option("mm", "vertices in order, without the first again", form="polygon")
+        npt.ArrayLike, Option("mm", "vertices in order; the first is not repeated", form="polygon")
     ],
     *,
     size: QuadSize,
     holes: Annotated[
-        Sequence[npt.ArrayLike], Option("mm", "polygons inside", form="polygons")
+        Sequence[npt.ArrayLike], Option("mm", "polygons that are cut out", form="polygons")
     ] = (),
     near: Annotated[
         npt.ArrayLike | None,
         Option("mm", "points about which quads are small", unset="none", form="polygon"),
     ] = None,
     size_near: Annotated[
-        float | None, Option("mm", "edge length of the quads there", above=0, unset="size")
+        float | None, Option("mm", "side length of the quads there", above=0, unset="size")
     ] = None,
     band: Annotated[
         float | None,
-        Option("mm", "distance from them up to which quads stay small", least=0, unset="size_near"),
+        Option("mm", "distance from them where quads stay small", least=0, unset="size_near"),
     ] = None,
 ) -> Mesh:
     """Return a plane mesh of quads within a polygon, with Gmsh.
@@ -200,8 +200,8 @@ def _check_count(polygons: list[Floats], size: float, field: _Field) -> None:
     around = sum(map(_length, polygons))
     if not around / least <= _MOST_EDGES:
         raise MeshError(
-            f"outline and holes must be {_MOST_EDGES:,} edges of a size around at most, got "
-            f"{around:.4g} mm at size {least:g} mm, {around / least:,.0f} edges: enlarge size"
+            f"outline and holes must have {_MOST_EDGES:,} quad sides around them at most, got "
+            f"{around:.4g} mm at size {least:g} mm, {around / least:,.0f} sides: enlarge size"
         )
 
 
@@ -218,7 +218,7 @@ def polygon(vertices: npt.ArrayLike, name: str) -> Floats:
     sides = np.roll(points, -1, axis=0) - points
     if (np.hypot(*sides.T) == 0.0).any():
         at = int(np.flatnonzero(np.hypot(*sides.T) == 0.0)[0])
-        raise MeshError(f"{name} must have different vertices, {at} is where the next one is")
+        raise MeshError(f"{name} must have different vertices, vertex {at} is equal to the next")
     return points
 
 

@@ -52,12 +52,12 @@ _OPENINGS: dict[str, tuple[int, int, tuple[float, ...]]] = {
 
 @checked
 def rectangle(
-    length: Annotated[float, Option("mm", "along x", above=0)],
-    width: Annotated[float, Option("mm", "along y", above=0)],
+    length: Annotated[float, Option("mm", "length along x", above=0)],
+    width: Annotated[float, Option("mm", "width along y", above=0)],
     *,
     size: Annotated[
         float | None,
-        Option("mm", "edge length of the quads, about", above=0, unset="from n_x, n_y"),
+        Option("mm", "side length of the quads, about", above=0, unset="from n_x, n_y"),
     ] = None,
     n_x: Annotated[
         int | None, Option("", "quads along x", least=1, most=MOST_QUADS, unset="from size")
@@ -103,7 +103,7 @@ def rectangle(
 
 @checked
 def disc(
-    radius: Annotated[float, Option("mm", "of the rim", above=0)],
+    radius: Annotated[float, Option("mm", "radius of the border", above=0)],
     *,
     n_side: Annotated[int, Option("", "quads along a side of the core", least=1, most=MOST_QUADS)],
     n_layer: Annotated[
@@ -155,7 +155,7 @@ def disc(
             f"ring_radii must lie above 0 and within the radius {radius:g}, got {given}"
         )
     if any(outer <= inner for outer, inner in pairwise(given)):
-        raise MeshError(f"ring_radii must decrease from the rim inwards, got {given}; sort them")
+        raise MeshError(f"ring_radii must decrease from the border inwards, got {given}; sort them")
     rings = [float(radius), *(r for r in given if r < radius)]
     n_exact = len(rings) - 1
     n_free = ceil(n_side * (1.0 / pi - 0.25))  # chord of the ring = mean spacing inside, or above
@@ -241,13 +241,13 @@ def annulus(
 
 @checked
 def cylinder(
-    radius: Annotated[float, Option("mm", "of the cylinder", above=0)],
-    length: Annotated[float, Option("mm", "along the axis", above=0)],
+    radius: Annotated[float, Option("mm", "radius of the cylinder", above=0)],
+    length: Annotated[float, Option("mm", "length along the axis", above=0)],
     *,
     n_around: Annotated[int, Option("", "quads around the arc", least=1, most=MOST_QUADS)],
     n_along: Annotated[int, Option("", "quads along the axis", least=1, most=MOST_QUADS)],
     arc_deg: Annotated[
-        float, Option("deg", "of the arc; 360 closes the cylinder", above=0, most=360)
+        float, Option("deg", "angle of the arc; 360 closes the cylinder", above=0, most=360)
     ] = 360.0,
 ) -> Mesh:
     """Return a cylinder or a barrel roof: a sheet bent about the y axis, directors outward.

@@ -225,14 +225,14 @@ def _moved(model: Model, mesh: Mesh | None, tool: Tool | None) -> tuple[Tool | N
     section = model.sections["motion"]
     if model.head.model == "guillotine":
         if mesh is None or tool is None:
-            raise ValueError("the way of the blade begins where the strip does")
+            raise ValueError("the path of the blade begins where the strip does")
         way = _values(model, "", "travel speed slice_ratio")
         return blade_before(mesh, tool, law=model.sections["cohesive"].made(), **way)
     motion: Motion = section.made()
     if model.head.model != "oscillating":
         return tool, motion, duration_of(section, motion)
     if mesh is None:
-        raise ValueError("the way of the bar ends where the strip does")
+        raise ValueError("the path of the bar ends where the strip does")
     extent, way = float(np.ptp(mesh.nodes[:, 0])), _values(model, "", "travel speed")
     return tool, motion, oscillating_time(model.sections["tool"].diameter, extent, **way)
 

@@ -18,7 +18,7 @@ QUESTIONS = {
     "docs/howto/sharp.md": ("How sharp must the edge be?", "sharp blunt radius edge wear sever"),
     "docs/howto/own-film.md": (
         "How do I model my film and mouth?",
-        "film foil mouth neck rim disc",
+        "film foil mouth neck border disc",
     ),
     "docs/howto/own-tool.md": ("How do I model my tool?", "tool cap knife blade step stl cad"),
     "docs/howto/converge.md": ("How sure is the number?", "mesh converge error accuracy finer"),
@@ -26,7 +26,7 @@ QUESTIONS = {
 """By page: the question that it answers, and words under which it is found."""
 
 _ALSO_SAID = {
-    ("[membrane]", "radius"): "mouth neck",
+    ("[membrane]", "radius"): "mouth neck rim",
     ("[membrane]", "outline"): "mouth neck",
     ("[membrane]", "clamp"): "mouth neck seal",
     ("[tool]", "file"): "cap knife",

@@ -101,8 +101,8 @@ def _column(table: NumberTable, word: str, usual: str) -> tuple[int, float]:
     heading = table.headings[found[0]]
     if _OTHER.search(heading.name):
         raise ValueError(
-            f"a hardening table must have plastic strains and true stresses, got {heading.text!r}; "
-            "shellcut tensile makes a section of a nominal curve"
+            "a hardening table must have plastic strains and true stresses, got "
+            f"{heading.text!r}; shellcut tensile makes a section from a nominal curve"
         )
     try:
         return found[0], conversion(heading.unit or usual, usual)
@@ -126,18 +126,18 @@ def _made_by(owner: Constructor, name: str, sign: str, doc: str, *only: str) -> 
 
 
 HARDENINGS = (
-    _made_by(Voce, "voce", "gain", "The yield stress saturates, but for a straight rise."),
-    _made_by(Linear, "linear", "yield_stress", "The yield stress rises straight, or stays."),
+    _made_by(Voce, "voce", "gain", "The yield stress saturates; a linear rise can be added."),
+    _made_by(Linear, "linear", "yield_stress", "The yield stress rises linearly, or is constant."),
     _made_by(Swift, "swift", "exponent", "A power of the plastic strain."),
     _made_by(
-        Table, "table", "plastic_strain", "Straight between points.", "plastic_strain", "stress"
+        Table, "table", "plastic_strain", "Linear between points.", "plastic_strain", "stress"
     ),
-    _made_by(read_hardening, "file", "file", "Straight between the points of a file."),
+    _made_by(read_hardening, "file", "file", "Linear between the points of a file."),
 )
 """Kinds of ``[material.hardening]``; a key is recognised as of the first that it identifies."""
 RATES = (
-    _made_by(CowperSymonds, "cowper_symonds", "exponent", "A power of the rate."),
-    _made_by(JohnsonCook, "johnson_cook", "factor", "The logarithm of the rate."),
+    _made_by(CowperSymonds, "cowper_symonds", "exponent", "A power of the strain rate."),
+    _made_by(JohnsonCook, "johnson_cook", "factor", "The logarithm of the strain rate."),
 )
 """Kinds of ``[material.rate]``."""
 _NO_AXES = "isotropic"
@@ -155,8 +155,8 @@ _LAYER = {
     "young_across": optional(keys_of(Orthotropic)["young_across"], _NO_AXES),
     "shear": optional(keys_of(Orthotropic)["shear"], _NO_AXES),
     **keys_of(Orthotropic, "shear_through", "shear_through_across"),
-    "hardening": table_key("yield stress by plastic strain", HARDENINGS, "it does not yield"),
-    "rate": table_key("factor on the yield stress by the rate", RATES, "no effect"),
+    "hardening": table_key("yield stress over plastic strain", HARDENINGS, "no yielding"),
+    "rate": table_key("factor on the yield stress over strain rate", RATES, "no effect"),
     **keys_of(Plastic, "r_values"),
     **keys_of(Orthotropic, "angle_deg"),
 }

@@ -83,7 +83,7 @@ def overridden(
             continue
         if told := [name for name in gone if (*table, name) in source.lines]:
             where = source.place((*table, told[0]))
-            say(f"{place}: takes the place of {', '.join(told)} in {titled_path(table)} ({where})")
+            say(f"{place}: replaces {', '.join(told)} in {titled_path(table)} ({where})")
         settings[path] = place
     if problems:
         raise ModelFileError(problems)
@@ -137,7 +137,7 @@ def _copied(around: Any, path: KeyPath, step: str | int) -> Any:
         raise ValueError(f"{title} must be {'a section' if wanted is dict else 'several tables'}")
     if isinstance(step, int) and step >= len(inner):
         known = f"the file has {len(inner)}, from 0 on" if inner else "the file has none"
-        raise ValueError(f"{title} has no place {step}: {known}; write one there")
+        raise ValueError(f"{title} has no table {step}: {known}; write it in the file")
     around[key] = inner.copy()
     return around[key]
 
@@ -179,7 +179,7 @@ def _dotted(name: str, layout: Mapping[str, Kinds], model: str) -> KeyPath:
         if is_array and not is_place:
             rest = f".{part}" if part.isidentifier() else ""
             raise ValueError(
-                f"{whole} are several tables: name one by its place from 0 on, {whole}.0{rest}"
+                f"{whole} has several tables: choose one by its number from 0 on, {whole}.0{rest}"
             )
         if is_place and not is_array:
             raise ValueError(f"{whole} is set as a whole: {whole}=...")

@@ -245,7 +245,7 @@ class _Reading:
         known = [*SECTIONS[model], *LISTS[model]]
         said = f"unknown section [{title}]{guess(title, known) or listed(known)}"
         if title in LISTS["free"]:
-            said = f'[[{title}]] belongs to model = "free"; the {model} holds its film by itself'
+            said = f'[[{title}]] belongs to model = "free"; the {model} model has its own supports'
         self.say((title,), said)
 
     def section(

@@ -28,7 +28,7 @@ Clamp: TypeAlias = Annotated[
 Notch: TypeAlias = Annotated[
     float,
     Option(
-        "mm", "length of the cut ahead of the edge that meets the film first; 0 for none", least=0
+        "mm", "length of the cut at the cutting edge that meets the film first; 0: none", least=0
     ),
 ]
 

@@ -33,7 +33,7 @@ def free_cut(
     *,
     tool: Tool,
     motion: Motion,
-    duration: Annotated[float, Option("s", "of the run", above=0)],
+    duration: Annotated[float, Option("s", "duration of the run", above=0)],
     notch: Notch = 0.0,
     clamp: Clamp = (),
     material: ShellMaterial | None = None,
@@ -126,15 +126,15 @@ def _first_edges(sweep: Sweep, notch: float) -> Ints:
     """Return the nodes of a notch along the row of edges under the first edge, shape (n,)."""
     if not lies_under(sweep):
         raise ValueError(
-            "a notch along edges needs a row of them under the whole path, got none: take path = "
-            "'free', or notch=0"
+            "a notch along quad sides needs a row of them under the whole path, got none: take "
+            "path = 'free', or notch=0"
         )
     chain = row_of(sweep, _first_to_meet(sweep))
     way = np.cumsum(np.linalg.norm(np.diff(sweep.mesh.nodes[chain], axis=0), axis=1))
     first = chain[: 1 + np.searchsorted(way, notch * (1.0 + _ROUND_OFF), side="right")]
     if len(first) < 2:
         raise ValueError(
-            f"the notch of {notch} mm must be at least one edge of the path long, "
+            f"the notch of {notch} mm must be at least one quad side of the path long, "
             f"{way[0]:.4g} mm: lengthen it, or pass 0"
         )
     return np.asarray(first)

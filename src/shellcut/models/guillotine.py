@@ -60,21 +60,21 @@ def guillotine(
     size: QuadSize = 0.4,
     *,
     mesh: Mesh | None = None,
-    length: Annotated[float, Option("mm", "along the cut", above=0)] = 30.0,
-    width: Annotated[float, Option("mm", "between the clamped sides", above=0)] = 8.0,
+    length: Annotated[float, Option("mm", "length along the cut", above=0)] = 30.0,
+    width: Annotated[float, Option("mm", "width between the clamped sides", above=0)] = 8.0,
     notch: Notch = 2.0,
     travel: Annotated[
         float | None,
         Option(
             "mm",
-            "of the blade",
+            "travel of the blade",
             above=0,
             unset="up to 0.625 opening_u before the end of the strip",
         ),
     ] = None,
-    speed: Annotated[float, Option("mm/s", "after a ramp of 0.1 ms", above=0)] = 6000.0,
+    speed: Annotated[float, Option("mm/s", "speed after a ramp of 0.1 ms", above=0)] = 6000.0,
     slice_ratio: Annotated[
-        float, Option("", "speed of the blade along its edge, upwards, over that along the strip")
+        float, Option("", "speed of the blade up its cutting edge over its speed along the strip")
     ] = 0.0,
     clamp: Clamp = ("bottom", "top"),
     tool: Tool | None = None,
@@ -171,7 +171,7 @@ def _up_the_edge(blade: Tool) -> Floats:
     """Return the unit vector up the edge of a blade, from its lowest to its highest point, (3,)."""
     ends = blade.vertices[blade.edges.ravel()]
     if not len(ends):
-        raise ValueError("slice_ratio is of a cutting edge, and this tool has none")
+        raise ValueError("slice_ratio needs a cutting edge, and this tool has none")
     return unit(ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()])
 
 
@@ -181,9 +181,9 @@ def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
     below, above = -heights.min() - max(rise, 0.0), heights.max() + min(rise, 0.0)
     if min(below, above) < left:
         raise ValueError(
-            f"the edge must reach {left:.3g} mm beyond the film to the end of the cut, but it "
-            f"slides by {abs(rise):.4g} mm from {heights.min():.4g} to {heights.max():.4g} mm "
-            f"about the film: give the blade a height of {2.0 * (abs(rise) + left):.4g} mm or "
+            f"the cutting edge must reach {left:.3g} mm beyond the film to the end of the cut, "
+            f"but it slides by {abs(rise):.4g} mm from {heights.min():.4g} to {heights.max():.4g} "
+            f"mm about the film: give the blade a height of {2.0 * (abs(rise) + left):.4g} mm or "
             "more, or lower slice_ratio or travel"
         )
 
@@ -205,9 +205,9 @@ def _lane_of(blade: Tool, film: Mesh) -> float:
     y = float(places[places[:, 0].argmax(), 1])
     if not low < y < high:
         raise ValueError(
-            f"the tool's edge must go through the strip, between y = {low:.4g} and {high:.4g} mm, "
-            f"got y = {y:.4g} mm: move the tool by {0.5 * (low + high) - y:.4g} mm in y ([tool] "
-            "shift)"
+            f"the tool's cutting edge must pass through the strip, between y = {low:.4g} and "
+            f"{high:.4g} mm, got y = {y:.4g} mm: move the tool by {0.5 * (low + high) - y:.4g} mm "
+            "in y ([tool] shift)"
         )
     return y if abs(y) > _ON_LINE * float(np.ptp(film.nodes[:, 0])) else 0.0
 
@@ -221,8 +221,8 @@ def _notched(mesh: Mesh, lane: float, notch: float) -> Mesh:
     within = line[x <= mesh.nodes[:, 0].min() + notch + _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))]
     if len(within) < 2:
         raise ValueError(
-            f"the notch of {notch} mm must follow a line of edges in the middle and be at least "
-            f"one of them long, got nodes there at x = {np.array2string(x[:2], precision=4)} mm: "
-            "lengthen it, make width / size even, take fracture.path = 'free', or pass 0"
+            f"the notch of {notch} mm must follow a line of quad sides in the middle and be at "
+            f"least one side long, got nodes there at x = {np.array2string(x[:2], precision=4)} "
+            "mm: lengthen it, make width / size even, take fracture.path = 'free', or pass 0"
         )
     return mesh.cut(within)

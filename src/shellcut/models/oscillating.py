@@ -104,19 +104,19 @@ def _rows(half: float, size: float, band: float) -> Floats:
 
 @checked
 def oscillating(
-    size: Annotated[float, Option("mm", "edge length of the fine quads", above=0)] = 0.5,
+    size: Annotated[float, Option("mm", "side length of the fine quads", above=0)] = 0.5,
     *,
     mesh: Mesh | None = None,
     diameter: Diameter = 6.0,
     tilt_deg: Tilt = 10.0,
     length: Annotated[
-        float | None, Option("mm", "along the cut", unset="125/6 diameters of the bar")
+        float | None, Option("mm", "length along the cut", unset="125/6 diameters of the bar")
     ] = None,
     width: Annotated[
-        float | None, Option("mm", "between the clamped sides", unset="6 diameters")
+        float | None, Option("mm", "width between the clamped sides", unset="6 diameters")
     ] = None,
     band: Annotated[
-        float | None, Option("mm", "half the breadth of the fine quads", unset="1.2 diameters")
+        float | None, Option("mm", "half the width of the fine quads", unset="1.2 diameters")
     ] = None,
     notch: Annotated[
         float | None,
@@ -134,7 +134,7 @@ def oscillating(
         float | None,
         Option("mm", "of the bar", above=0, unset="up to 2 diameters before the end of the strip"),
     ] = None,
-    speed: Annotated[float, Option("mm/s", "after a ramp of 1 ms", above=0)] = 3000.0,
+    speed: Annotated[float, Option("mm/s", "speed after a ramp of 1 ms", above=0)] = 3000.0,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
     **options: Any,

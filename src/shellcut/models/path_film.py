@@ -45,12 +45,12 @@ def film_along_path(
     *,
     tool: Tool | Sequence[Tool],
     motion: Motion,
-    duration: Annotated[float, Option("s", "of the motion", above=0)],
+    duration: Annotated[float, Option("s", "duration of the motion", above=0)],
     size_at_path: Annotated[
         float | None,
         Option(
             "mm",
-            "edge length of the quads under the path of the cutting edges, by Gmsh",
+            "side length of the quads under the path of the cutting edges, by Gmsh",
             above=0,
             unset="5 bending lengths or opening_u / 10",
         ),
@@ -59,7 +59,7 @@ def film_along_path(
         float | None,
         Option(
             "mm",
-            "edge length far from it; alone, of all quads",
+            "side length far from it; given alone, of all quads",
             above=0,
             unset="8 times size_at_path",
         ),

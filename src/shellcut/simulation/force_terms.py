@@ -177,15 +177,15 @@ def _check(terms: Sequence[ForceTerm]) -> None:
     names = [term.name for term in terms]
     if len(set(names)) < len(names) or _OWN_NAMES & set(names):
         raise ValueError(
-            f"force terms must have names of their own, and none of {', '.join(sorted(_OWN_NAMES))}"
-            f"; got {', '.join(names)}"
+            f"force terms must have different names, and none of {', '.join(sorted(_OWN_NAMES))}; "
+            f"got {', '.join(names)}"
         )
     for term in terms:
         for entry, column, _ in term.booked:
-            _check_entry(term, entry, "books")
+            _check_entry(term, entry, "adds to")
             if not ON_TOOL <= column < (n := term.touch.sums.size):
                 raise ValueError(
-                    f"{term.name} books column {column} as {entry}: it must be one of the {n} "
+                    f"{term.name} adds column {column} to {entry}: it must be one of the {n} "
                     "columns of touch.sums, from 0; of the wrench: Booking.of_wrench"
                 )
     bodies = {term.name: len(term.touch.wrench) for term in terms if len(term.touch.wrench)}
@@ -197,7 +197,7 @@ def _check(terms: Sequence[ForceTerm]) -> None:
 def _check_entry(term: ForceTerm, entry: str, does: str) -> None:
     if entry not in _ENTRIES:
         raise ValueError(
-            f"{term.name} {does} {entry!r}: it must be an entry of the ledger, one of "
+            f"{term.name} {does} {entry!r}: it must be an entry of the energy balance, one of "
             f"{', '.join(sorted(_ENTRIES))}"
         )
 

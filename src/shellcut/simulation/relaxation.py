@@ -153,7 +153,7 @@ def _flown_apart(state: State, shell: MITC4Shell, step: int, strain: float) -> s
     quad = state.most_strained_quad()
     x, y, z = state.node.X[state.quads[quad]].mean(axis=0)
     cause = (
-        "the displacement it was given strains the film beyond all measure"
+        "the prescribed displacement strains the film beyond all measure"
         if step == 0
         else "the loads are far too large for the film, or something in it is not supported"
     )
