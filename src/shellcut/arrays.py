@@ -59,11 +59,11 @@ def unit(vectors: Floats) -> Floats:
     return np.asarray(np.divide(vectors, length, out=out, where=length != 0.0))
 
 
-def angles(one: Floats, two: Floats) -> Floats:
+def angles(first: Floats, second: Floats) -> Floats:
     """Return the angles between vectors, or rows along the last axis [rad]."""
     # The arc tangent keeps small angles, which an arc cosine rounds to zero.
-    cosine = np.add.reduce(one * two, axis=-1)
-    return each(math.atan2, norm(np.cross(one, two)), cosine)
+    cosine = np.add.reduce(first * second, axis=-1)
+    return each(math.atan2, norm(np.cross(first, second)), cosine)
 
 
 def off_segments(points: Floats, starts: Floats, vectors: Floats) -> tuple[Floats, Floats]:

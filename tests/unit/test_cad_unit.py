@@ -131,5 +131,5 @@ def test_a_unit_is_what_defines_it_whatever_its_name():
     ],
 )
 def test_a_unit_that_the_kernel_passes_over_is_refused(units):
-    with pytest.raises(FileError, match=r"unit of length.* #2, must be a metre .* for mm"):
+    with pytest.raises(FileError, match=r"unit of length.* #2, must be a metre .* as mm"):
         cad_surface.stated_unit(Path("a.stp"), step(*units, used="#2"))

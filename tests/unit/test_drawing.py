@@ -244,7 +244,7 @@ class TestRefusals:
     def test_too_many_points(self, tmp_path, monkeypatch):
         path = saved(tmp_path / "plate.dxf", plate())
         monkeypatch.setitem(LIMITS, "points of curves", 20)
-        with pytest.raises(FileError, match=r"make 20 points of curves at most, got .* enlarge"):
+        with pytest.raises(FileError, match=r"have 20 points of curves at most, got .* enlarge"):
             read_drawing(path, layers=["cut"])
 
     @pytest.mark.parametrize("package", ["ezdxf", "shapely"])

@@ -447,7 +447,7 @@ def test_a_cut_ends_on_an_earlier_cut_or_goes_on_from_its_tip(sheet):
         MeshError, match=r"node 12 was duplicated by a cut, its copies are \[12, 27\]"
     ):
         notched.cut([2, 7, 12])
-    with pytest.raises(MeshError, match="cut before"):
+    with pytest.raises(MeshError, match="on a cut"):
         notched.cut([11, 12])
 
 
@@ -466,10 +466,10 @@ def test_a_cut_touches_the_boundary_on_its_way():
     [
         (
             [10, 12],
-            ["follow mesh edges", "node 10 at (0, 0, 0) to node 12 at (2, 0, 0)", "between"],
+            ["follow sides of quads", "node 10 at (0, 0, 0) to node 12 at (2, 0, 0)", "between"],
         ),
-        ([11, 17], ["follow mesh edges", "node 11", "node 17"]),
-        ([10, 15], ["quads on either hand", "node 10", "node 15", "leave it out"]),
+        ([11, 17], ["follow sides of quads", "node 11", "node 17"]),
+        ([10, 15], ["quads to its left and right", "node 10", "node 15", "leave it out"]),
         ([11, 12], ["opens nothing", "[11, 12]", "start on the border"]),
         ([11], ["two node ids or more"]),
         ([11.0, 12.0], ["two node ids or more"]),

@@ -215,13 +215,13 @@ class TestModelFile:
             ({"membrane.radius": 9, "membrane.n_layer": 4}, "n_layer needs n_side; without both"),
             (
                 {"membrane.radius": 9, "membrane.n_side": 9, "membrane.size": 1},
-                "size is of a disc meshed by Gmsh, got it with n_side",
+                "size is for a disc meshed by Gmsh, but n_side",
             ),
             ({"membrane.radius": 5}, "no cutting edge passes through the film during the motion"),
             (
                 {"membrane.file": __file__, "membrane.size_at_path": 0.4},
                 r"\[membrane\].size_at_path is for films that Gmsh meshes from an outline; a film "
-                "of a film from a file is used as it is: leave it out, or set refine",
+                "from a file keeps its mesh: leave it out, or set refine",
             ),
         ],
     )

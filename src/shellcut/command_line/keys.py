@@ -57,7 +57,7 @@ def _lines(table: Table) -> Iterator[str]:
         (
             f"{name} or {key.also}" if key.also else name,
             f"{key.wants} [{key.option.unit}]" if key.option.unit else key.wants,
-            f"= {key.told}" if key.has_default else f"({key.told})",
+            f"= {key.default_text}" if key.has_default else f"({key.default_text})",
             key.option.text,
         )
         for name, key in table.keys.items()

@@ -122,14 +122,14 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, l
         began.append(time.perf_counter())
         log.say("compiling (first run only) ...")
 
-    def told(n: int, n_all: int) -> None:
+    def progress(n: int, n_all: int) -> None:
         nonlocal said
         if time.perf_counter() - said > _BETWEEN_LINES:
             said = time.perf_counter()
             log.say(f"compiling {n} of {n_all} kernels ...")
 
     with on_compilation(compiling):
-        warmup([model.head.model], told=told)
+        warmup([model.head.model], told=progress)
         case = model.build()
         if not options["resume"]:
             case.check.enforce(force=options["force"])

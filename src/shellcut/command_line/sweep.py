@@ -54,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         done = done_before(planned, arguments.out) if arguments.out else {}
         print(f"{counted(len(planned.runs), 'run')}, {len(done)} of them done before")
-        for one in planned.runs[:_DRY_SHOWN]:
-            print(f"{one.number:>5}  {one.key}  {with_values(one.values)}")
+        for entry in planned.runs[:_DRY_SHOWN]:
+            print(f"{entry.number:>5}  {entry.key}  {with_values(entry.values)}")
         if len(planned.runs) > _DRY_SHOWN:
             print(f"... and {len(planned.runs) - _DRY_SHOWN} more")
         return DONE

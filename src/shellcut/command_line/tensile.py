@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     kinds = "mm" if arguments.gauge_length else "-", "N" if arguments.section else "MPa"
     factors = [conversion(unit, kind) for unit, kind in zip(arguments.units, kinds, strict=True)]
     with naming(arguments.file):
-        x, y = table.numbers([table.column(one) for one in arguments.columns]).T
+        x, y = table.numbers([table.column(column) for column in arguments.columns]).T
         test = evaluate_tensile(
             x * factors[0],
             y * factors[1],

@@ -94,8 +94,8 @@ class FileList:
             if name not in self.names or _leads_away(self._folder, name):
                 continue
             path = self._folder / name
-            for one in (path, *unfinished(path)):
-                one.unlink(missing_ok=True)
+            for place in (path, *unfinished(path)):
+                place.unlink(missing_ok=True)
             if path.parent != self._folder:
                 try:
                     path.parent.rmdir()
@@ -188,5 +188,5 @@ def _read(folder: Path, record: str) -> list[str] | None:
 
 
 def _leads_away(folder: Path, name: str) -> bool:
-    """Whether a link lies on the way from a folder to a file in it."""
+    """Whether a link lies on the path from a folder to a file in it."""
     return any((folder / above).is_symlink() for above in PurePosixPath(name).parents if above.name)

@@ -19,7 +19,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import BinaryIO, Literal
 
-# Windows has neither; there the look at the link before opening has to do.
+# Windows has neither; there the check of the link before opening is all.
 _FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 _MOST_OF_STEM = 40  # characters: a temporary name must not be too long where the name is not

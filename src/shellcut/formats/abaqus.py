@@ -125,7 +125,7 @@ class _Reader(Deck):
             return
         part = keyword.parameters.get("PART", "")
         if part and part.upper() not in self.parts:
-            names = named(sorted(one.name for one in self.parts.values())) or "none"
+            names = named(sorted(scope.name for scope in self.parts.values())) or "none"
             raise keyword.error(f"the part must be one of {names}, got {part!r}")
         self.instance = Instance(name, part.upper(), _transform(keyword), Scope(name))
         self.instances[name.upper()] = self.instance
@@ -233,7 +233,9 @@ class _Reader(Deck):
             for key, part in self.parts.items():
                 still = np.eye(3), np.zeros(3)
                 self.instances[key] = Instance(part.name, key, still, Scope(part.name))
-        scopes = [self.parts[one.part] for one in self.instances.values() if one.part]
+        scopes = [
+            self.parts[instance.part] for instance in self.instances.values() if instance.part
+        ]
         self.budget.take(
             "nodes and elements with those of all instances",
             sum(len(scope.nodes) + len(scope.elements) for scope in scopes),

@@ -1,6 +1,6 @@
 """STEP and IGES files, triangulated by Gmsh's OpenCASCADE kernel: :func:`read_cad`.
 
-The kernel goes by the definition of a unit of STEP, never by its name: an SI prefix, or a number
+The kernel uses the definition of a unit of STEP, never by its name: an SI prefix, or a number
 of such units (``CONVERSION_BASED_UNIT``). What it cannot resolve it takes for millimetres; such a
 file is refused here.
 
@@ -167,16 +167,16 @@ def _of_iges(path: Path, section: bytes) -> list[float]:
     separator, at = ",", 0
     # Parameters are texts, written 4Habcd, or numbers; the first one is the separator itself.
     while at < len(text) and len(values) <= _FLAG + 1:
-        held = re.match(r"\s*(\d+)H", text[at:])
-        if held:
-            start = at + held.end()
-            value = text[start : start + int(held[1])]
-            at = start + int(held[1]) + 1
+        string = re.match(r"\s*(\d+)H", text[at:])
+        if string:
+            start = at + string.end()
+            value = text[start : start + int(string[1])]
+            at = start + int(string[1]) + 1
         else:
             ends = text.find(separator, at), text.find(";", at), len(text)
             end = min(k for k in ends if k >= 0)
             value, at = text[at:end].strip(), end + 1
-        if not values and held:
+        if not values and string:
             separator = value
         values.append(value)
     flag, name = [*values[_FLAG : _FLAG + 2], "", ""][:2]

@@ -37,7 +37,7 @@ from shellcut.numerics.lane_functions import any_above, where_above
 from .material import refuse
 
 ACCURACY = 1e-4
-"""Of the formulae's yield stress, relative."""
+"""Largest relative error of the formulae's yield stress."""
 FARTHEST = 100.0
 """Plastic strain at which the tables of formulae end, which no film reaches: at a tenth of it a
 strip is ten thousand times as long."""

@@ -56,7 +56,7 @@ def presets() -> dict[str, dict[str, Any]]:
 def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
     """Return the names; of laminates, or of single layers, only if asked for."""
     every = presets().items()
-    return tuple(name for name, one in every if layers in (None, "layers" in one["material"]))
+    return tuple(name for name, preset in every if layers in (None, "layers" in preset["material"]))
 
 
 @checked
@@ -92,11 +92,11 @@ def read_hardening(
 
 def _column(table: NumberTable, word: str, usual: str) -> tuple[int, float]:
     """Return the column whose heading has a word, and the factor of its unit."""
-    found = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
+    found = [k for k, heading in enumerate(table.headings) if word in heading.name.lower()]
     if len(found) != 1:
         raise ValueError(
             f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress [MPa]', "
-            f"got {', '.join(repr(one.text) for one in table.headings)}"
+            f"got {', '.join(repr(heading.text) for heading in table.headings)}"
         )
     heading = table.headings[found[0]]
     if _OTHER.search(heading.name):
@@ -191,7 +191,7 @@ PLY = Kind(
 _PAPER = signature(ShellMaterial.homogeneous).parameters
 HOMOGENEOUS = Kind(
     "A single layer.", {**_preset(), **_LAYER, **_FILM}, ShellMaterial.homogeneous, make=_film
-).with_keys(**{name: one.default for name, one in _PAPER.items() if name in _LAYER})
+).with_keys(**{name: parameter.default for name, parameter in _PAPER.items() if name in _LAYER})
 LAMINATE = Kind(
     "Layers through the thickness.",
     {
@@ -287,7 +287,7 @@ def filled_in(table: dict[str, Any]) -> dict[str, Any]:
         keys = _of_both(preset, table)
     layers = keys.get("layers")
     if isinstance(layers, list):
-        filled = [filled_in(one) if isinstance(one, dict) else one for one in layers]
+        filled = [filled_in(layer) if isinstance(layer, dict) else layer for layer in layers]
         keys = {**keys, "layers": filled}
     return keys
 

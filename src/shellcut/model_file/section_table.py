@@ -1,6 +1,6 @@
 """Sections of each model and their kinds; the first kind is the default.
 
-What a key is stands at the argument of the constructor. Here stands which constructors a section
+What a key means is declared at the argument of the constructor. Here are the constructors a section
 describes, and which defaults a ready model gives them.
 """
 
@@ -32,7 +32,7 @@ from shellcut.models.oscillating import (
     BAR_LAW,
     STIFFNESS_DAMPING,
     bar_before,
-    way_of,
+    motion_of,
 )
 from shellcut.models.path_film import disc_outline, film_along_path
 from shellcut.models.trouser import (
@@ -296,8 +296,8 @@ TABLE = Kind(
 )
 
 
-def _way(doc: str, builder: Constructor, names: tuple[str, ...], constructor: Any = None) -> Kinds:
-    return (Kind(doc, keys_of(builder, *names), constructor, name="straight", spread=True),)
+def _straight(doc: str, builder: Constructor, names: tuple[str, ...], by: Any = None) -> Kinds:
+    return (Kind(doc, keys_of(builder, *names), by, name="straight", spread=True),)
 
 
 # --- cracks, contact, step, output ---------------------------------------------------------------
@@ -342,7 +342,7 @@ def _laws(like: CohesiveLaw) -> Kinds:
 
 CONTACT = Kind(
     "Penalty contact with the tool, and of the film with itself.",
-    keys_of(Contact, defaults={"film_edges": False}),
+    keys_of(Contact),
     Contact,
 )
 FRACTURE = Kind("How cracks start and run.", keys_of(Fracture), Fracture)
@@ -454,12 +454,11 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         ),
         (OPENING_SCREW,),
         (TEETH, TOOL_FILE),
-        contact=CONTACT.with_keys(film_edges=True),
         damping=_damped_by(f"{PAPER_DAMPING:g} s on the package's discs"),
     ),
     "guillotine": _layout(
         (STRIP, FILM_FILE.with_keys(keys_of(guillotine, "clamp", "notch"))),
-        _way(
+        _straight(
             "Along the strip, with a ramp over the first 0.1 ms.",
             guillotine,
             ("speed", "slice_ratio", "travel"),
@@ -490,7 +489,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
                 spread=True,
             ),
         ),
-        _way("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),
+        _straight("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),
         film=HOMOGENEOUS.with_keys(thickness=THICKNESS),
         law=TEAR_LAW,
         contact=None,
@@ -507,11 +506,11 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
                 spread=True,
             ),
         ),
-        _way(
+        _straight(
             "Along the strip, with a ramp over the first ms.",
             oscillating,
             ("speed", "travel"),
-            way_of,
+            motion_of,
         ),
         (BAR,),
         film=HOMOGENEOUS.with_keys(**BAR_FILM),

@@ -33,11 +33,11 @@ Notch: TypeAlias = Annotated[
 ]
 
 
-def time_of_way(way: float, speed: float, ramp: float) -> float:
-    """Return how long a motion [s] takes over a way along a strip, its speed rising over a ramp."""
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
-    return way / speed + 0.5 * ramp
+def time_of_travel(travel: float, speed: float, ramp: float) -> float:
+    """Return the time [s] of a travel along a strip [mm] whose speed rises over a ramp."""
+    if not travel > 0.0:
+        raise ValueError(f"travel must be positive, got {travel:.4g} mm: lengthen the strip")
+    return travel / speed + 0.5 * ramp
 
 
 PAPER_DAMPING = 5e-8
@@ -47,7 +47,9 @@ PAPER_DAMPING = 5e-8
 def damped_by(beta: float, options: dict[str, Any]) -> dict[str, Any]:
     """Return options of a simulation with a stiffness damping [s], unless they have one."""
     given = (options.get(name) for name in ("damping_beta", "damping_share"))
-    return options if any(one is not None for one in given) else {**options, "damping_beta": beta}
+    return (
+        options if any(value is not None for value in given) else {**options, "damping_beta": beta}
+    )
 
 
 @dataclass(frozen=True)

@@ -55,9 +55,9 @@ def opening_test(
         The paper's film by default.
     **options
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``terms``, ...
-        Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
-        path, as in the package's discs under the default teeth, and go through quads elsewhere.
-        Edges of the film touch those of the tool unless ``Contact(film_edges=False)`` says
+        Without a ``fracture.path`` cracks follow quad sides if a line of them lies under the whole
+        path, as in the package's discs under the default teeth, and else run through quads. Borders
+        and flanks of the film touch the tool's edges unless ``Contact(film_edges=False)`` says
         otherwise: flanks of the cuts cross the teeth's bottom edges between their nodes.
 
     Returns

@@ -26,7 +26,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
-from .case import Case, damped_by, time_of_way
+from .case import Case, damped_by, time_of_travel
 
 BAR_LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
@@ -181,7 +181,7 @@ def oscillating(
         material or ShellMaterial.homogeneous(**BAR_FILM),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=bar_before(diameter, tilt_deg),
-        motion=way_of(speed),
+        motion=motion_of(speed),
         law=law or BAR_LAW,
         **chosen,
     )
@@ -197,12 +197,12 @@ def bar_before(diameter: float, tilt_deg: float) -> Tool:
     return bar.translated((-_CLEARANCE, 0.0, 0.0))
 
 
-def way_of(speed: float) -> StraightMotion:
+def motion_of(speed: float) -> StraightMotion:
     """Return the motion of the bar."""
     return StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
 
 
 def duration_of(diameter: float, extent: float, *, travel: float | None, speed: float) -> float:
     """Return the duration of a run [s] on a strip of the length ``extent`` [mm]."""
-    way = extent - _LEFT * diameter if travel is None else travel
-    return time_of_way(way, speed, _RAMP)
+    distance = extent - _LEFT * diameter if travel is None else travel
+    return time_of_travel(distance, speed, _RAMP)

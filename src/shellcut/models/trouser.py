@@ -19,12 +19,12 @@ from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
-from .case import PAPER_DAMPING, Case, damped_by, time_of_way
+from .case import PAPER_DAMPING, Case, damped_by, time_of_travel
 
 TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
-"""Default law: 11.5 N/mm, torn over 2.4 mm, several edges of the default quads."""
+"""Default law: 11.5 N/mm, torn over 2.4 mm, several sides of the default quads."""
 
 THICKNESS = 0.2
 """Default thickness [mm]: the legs are stiff in bending beside their width."""
@@ -60,8 +60,8 @@ def duration_of(
     length: float, width: float, *, travel: float | None, speed: float, ramp: float
 ) -> float:
     """Return the duration of a test [s], with the parameters of :func:`trouser`."""
-    way = length - _LEFT * width if travel is None else travel
-    return time_of_way(way, speed, ramp)
+    distance = length - _LEFT * width if travel is None else travel
+    return time_of_travel(distance, speed, ramp)
 
 
 @checked

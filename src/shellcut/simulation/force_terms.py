@@ -65,9 +65,11 @@ class ForceTerms:
             for booking in term.booked or on_tool
         ]
         self._entries = sorted({entry for _, entry, *_ in booked})
-        # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that. Of
-        # a film that moves also that integral, and the work on the tool, as seen from the film.
-        self._last = np.zeros((len(self._terms) + 2 + 2 * (self._seen is not None), 6))
+        # Rows: wrench of each term on the whole tool at t_{n-1}, of all together, and its integral
+        # over the angle; if the film moves, that integral and the work as seen from the film.
+        n_term = len(self._terms)
+        self._last = np.zeros((n_term + 2 + 2 * (self._seen is not None), 6))
+        self._of_all, self._over_turn, self._in_film = np.split(self._last[n_term:], [1, 2])
         self._amounts = np.zeros(len(self._entries))
         self._book = TableWriter()(
             WorkBook(
@@ -113,12 +115,12 @@ class ForceTerms:
 
         As seen from a film that its supports move: over the angle there, in its axes and origin.
         """
-        return np.asarray(self._last[len(self._terms) + 1 + (self._seen is not None)])
+        return np.asarray((self._over_turn if self._seen is None else self._in_film)[0])
 
     @property
     def work_in_film(self) -> float:
         """Work of the tool as seen from a film that its supports move [N·mm]."""
-        return -float(self._last[-1, 0])
+        return -float(self._in_film[1, 0])
 
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
         """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
@@ -130,11 +132,10 @@ class ForceTerms:
         tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
-        before = self._last[len(self._terms)].copy() if self._seen is not None else None
+        before = self._of_all[0].copy() if self._seen is not None else None
         ledger.tool_work -= self._work_on_tool.code(twist, pose.translation, tick, self._book)
         if before is not None and tick > 0.0:
-            mean = 0.5 * (before + self._last[len(self._terms)])
-            self._sum_in_film(mean, state.time, tick)
+            self._sum_in_film(0.5 * (before + self._of_all[0]), state.time, tick)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
@@ -153,7 +154,7 @@ class ForceTerms:
         vector = 0.5 * np.array(
             [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
         )
-        angle, (over_turn, work) = float(norm(vector)), self._last[-2:]
+        angle, (over_turn, work) = float(norm(vector)), self._in_film
         over_turn[:3] += angle * force
         over_turn[3:] += angle * (moment + np.cross(0.5 * (r0 + r1), force))
         work[0] += float(product(force, r1 - r0) + product(moment, vector))

@@ -50,7 +50,7 @@ def find_rest(
     """Move the nodes by a displacement, bring the state to rest and return the number of steps.
 
     At rest the largest unsupported nodal force is below ``tolerance`` times the largest
-    reaction or load, and the largest moment on a director below that times the mean edge of a quad.
+    reaction or load, and the largest moment on a director below that times the mean side of a quad.
 
     Raises
     ------

@@ -36,8 +36,8 @@ from .tool import Tool, ToolError
 
 EDGE_DEVIATION = 1.0 / 350.0
 """Largest distance of a chord of the cutting edge from its cylinder, over the half thickness of the
-tooth (1e-3 mm for the default): a cut beside the line of mesh edges costs energy (0.02 mm on edges
-of 0.4 mm: 3.5 %), and mesh edges of a film to be cut are of the order of its thickness."""
+tooth (1e-3 mm for the default): a cut beside the line of quad sides costs energy (0.02 mm on sides
+of 0.4 mm: 3.5 %), and sides of the quads of a film to be cut are of the order of its thickness."""
 
 DEFAULT_DEVIATION = 1.0 / 700.0
 """Target for this distance, likewise, if the number of segments is not given."""
@@ -371,12 +371,12 @@ class Tooth:
 
     @property
     def cot(self) -> float:
-        """Of the inclination of the edge."""
+        """Cotangent of the inclination of the edge."""
         return cos(self.eta) / sin(self.eta)
 
     @property
     def d_corner(self) -> float:
-        """Of K, behind the edge [mm]."""
+        """Distance of K behind the edge [mm]."""
         return self.length * (1.0 + tan(self.relief) * self.cot)
 
     def mesh(
