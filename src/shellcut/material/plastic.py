@@ -61,7 +61,7 @@ HISTORY = (
     "plastic strain 22 [-]",
     "plastic strain 12, twice [-]",
 )
-"""Of each thickness point, in the axes of the point; true strains."""
+"""History of each thickness point, in the axes of the point; true strains."""
 
 _TURNING = (2,)
 

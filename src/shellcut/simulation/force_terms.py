@@ -1,7 +1,7 @@
 """The force terms of a simulation: the loop over them, the work on the tool, and its balance.
 
 :class:`ForceTerms` evaluates the list of :class:`shellcut.tool.force_term.ForceTerm`, sums the
-wrenches, works out the work of the tool and books what each term has done.
+wrenches, works out the work of the tool and adds the works of each term to the energy balance.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class ForceTerms:
     Raises
     ------
     ValueError
-        If two have one name, or a term books what it does not have.
+        If two have one name, or a term counts a sum that it does not have.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class ForceTerms:
         self._seen = None if motion is None or film is None else SeenFromFilm(film, motion)
         _check(self._terms)
         self._added = {term.name: _Added() for term in self._terms if not term.booked}
-        """What the terms that book nothing have added to the nodal forces."""
+        """What the terms without ``booked`` have added to the nodal forces."""
         touches = [term.touch for term in self._terms]
         on_tool = (Booking.of_wrench("load_work"),)
         booked = [
@@ -123,7 +123,7 @@ class ForceTerms:
         return -float(self._in_film[1, 0])
 
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
-        """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
+        """Add the forces of all terms at t_n; add their works over the last step to ``ledger``."""
         for term in self._terms:
             if (added := self._added.get(term.name)) is None:
                 term.add_forces(state, pose)
@@ -204,7 +204,7 @@ def _check_entry(term: ForceTerm, entry: str, does: str) -> None:
 
 
 class _Added:
-    """What a term that books nothing has added to the nodal forces, and the work of that.
+    """What a term without ``booked`` has added to the nodal forces, and the work of that.
 
     By the difference that it makes, with the increments of the step: ½ (f_{n-1} + f_n) · Δx and ½
     (m_{n-1} + m_n) · Δθ, where m = t x g is the moment of the force g conjugate to the director. A
@@ -242,7 +242,7 @@ class WorkBook(NamedTuple):
     sums: tuple[Floats, ...]
     """Of each term, see :class:`shellcut.tool.touch.Touch`."""
     row: Annotated[Ints, "(n_booked, 3)"]
-    """Term, column and entry of what is booked."""
+    """Term, column and entry of each sum that counts."""
     factor: Annotated[Floats, "(n_booked,)"]
     """Times which it is."""
     amounts: Annotated[Floats, "(n_entry,)"]
