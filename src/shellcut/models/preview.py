@@ -26,7 +26,8 @@ __all__ = ["ModelParts", "preview", "preview_parts"]
 # Memory of the program and of each quad (docs/performance.md) [MB].
 _PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
 
-_N_TIME = 60  # at which the fastest moment of a support is looked for
+_N_TIME = 60  # at which the fastest moment of a support is searched
+_N_WORST = 3  # quads that the report lists
 
 
 @checked
@@ -166,10 +167,11 @@ def _extent(ids: Ints, joined: Ints, n: int) -> str:
 
 def _worst_lines(quality: MeshQuality) -> Iterator[str]:
     """List the quads whose steps are clearly below the median."""
-    if quality.worst.size:
-        yield f"worst  quads whose own steps are below {CLEARLY:g} of the median, shortest first:"
+    shortest = quality.worst.tolist()[:_N_WORST]
+    if shortest:
+        yield f"worst  quads with steps below {CLEARLY:g} of the median, shortest first:"
     unit, factor = shown("mm")
-    for e in quality.worst.tolist():
+    for e in shortest:
         x, y, z = factor * quality.centre[e]
         yield (
             f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) {unit}: step {quality.step[e]:.3g} s, "
@@ -195,8 +197,8 @@ def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
     yield f"       {quality.stable_step:.4g} s for the worst quad alone,"
     yield f"       {allowed:.4g} s for the film with contact and cables at the start;"
     if stepping.fixed is None:
-        of_that = f"time.safety, {stepping.safety:g}, of that"
-        yield f"       {sim.dt:.4g} s is the first of the run: {of_that}"
+        times = f"{stepping.safety:g} times that (time.safety)"
+        yield f"       {sim.dt:.4g} s is the first step of the run, {times}"
     else:
         times = f"{stepping.fixed / allowed:.2g} times the stable one; without it {safe:.4g} s"
         yield f"       {sim.dt:.4g} s is used in the run, since time.fixed is given: {times}"
