@@ -77,12 +77,12 @@ End: TypeAlias = Annotated[float, Option("mm", "l_U, at which the cable breaks",
 @checked
 @dataclass(frozen=True, kw_only=True)
 class CohesiveTable:
-    """Stress [MPa] of a cable against its length [mm], straight between points.
+    """Stress [MPa] of a cable against its length [mm], linear between points.
 
     Raises
     ------
     ValueError
-        If the points are no law, or the joint does not fit its friction.
+        If the points make no decreasing law, or joint and friction contradict each other.
 
     Examples
     --------
@@ -202,7 +202,7 @@ class CohesiveTable:
     @staticmethod
     @checked
     def linear(*, strength: Strength, opening_u: End, **cables: Any) -> CohesiveTable:
-        """Return the law that falls straight to zero; ``cables`` are arguments of the class."""
+        """Return the law that falls linearly to zero; ``cables`` are arguments of the class."""
         return CohesiveTable(openings=(0.0, opening_u), tractions=(strength, 0.0), **cables)
 
     @staticmethod
@@ -250,10 +250,10 @@ class CohesiveTable:
     def at_edge(self, radius: float) -> CohesiveTable:
         """Return the law of cables around an edge [mm]: this one, cut off at the area G_s.
 
-        It falls as this one does up to c, and from there straight to its end l_U', with the c from
-        rho l_U' on, rho = l_{n-1}/l_n, whose line is the flattest. So it is nowhere above this one,
-        and grows with l_U' at every length. Where c jumps, over a bulge of this law, laws between
-        the two are means of both.
+        It equals this law up to an opening c, and falls linearly from there to its end l_U'; c is
+        that of the flattest line from rho l_U' on, rho = l_{n-1}/l_n. So the law is nowhere above
+        this one, and grows with l_U' at every length. Where c jumps, over a bulge of this law, laws
+        between are means of both.
 
         Examples
         --------
@@ -308,7 +308,7 @@ class CohesiveTable:
 
     @property
     def blunt_radius(self) -> float:
-        """r_c = (G - G_0)/(2 H), from which on an edge severs nothing [mm]."""
+        """r_c = (G - G_0)/(2 H), radius from which on an edge severs nothing [mm]."""
         if self.cutting_energy is None or self.severing_pressure is None:
             return math.inf
         return 0.5 * (self.fracture_energy - self.cutting_energy) / self.severing_pressure
@@ -376,7 +376,7 @@ class CohesiveLaw(CohesiveTable):
     Raises
     ------
     ValueError
-        If the law does not decrease, or the joint does not go with its friction.
+        If the law does not decrease, or joint and friction contradict each other.
 
     Examples
     --------

@@ -233,9 +233,7 @@ class _Reader(Deck):
             for key, part in self.parts.items():
                 still = np.eye(3), np.zeros(3)
                 self.instances[key] = Instance(part.name, key, still, Scope(part.name))
-        scopes = [
-            self.parts[instance.part] for instance in self.instances.values() if instance.part
-        ]
+        scopes = [self.parts[each.part] for each in self.instances.values() if each.part]
         self.budget.take(
             "nodes and elements with those of all instances",
             sum(len(scope.nodes) + len(scope.elements) for scope in scopes),

@@ -45,9 +45,9 @@ NO_IMPRINT = "cracks run through the quads of any mesh: set path = 'free', or le
 class Fracture:
     """How cracks start and run.
 
-    Left out, the path is ``"free"``, or ``"edges"`` where another option exists for these only:
-    ``criterion``, ``blade_cut``, ``turn_limit_deg`` or ``equilibrium_start`` that differ from their
-    defaults. A ready model accepts ``"edges"`` too where edges lie under the whole path.
+    By default the path is ``"free"``, but ``"edges"``, along sides of quads, if an option for these
+    only differs from its default: ``criterion``, ``blade_cut``, ``turn_limit_deg``,
+    ``equilibrium_start``; in a ready model also if sides lie under the whole path.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class Fracture:
 
     @property
     def only_along_edges(self) -> tuple[str, ...]:
-        """Names of the options that exist for cracks along edges only and are set."""
+        """Names of the options that are set and exist for cracks along quad sides only."""
         return self._set_of(_ONLY_ALONG_EDGES)
 
     @property

@@ -73,7 +73,7 @@ def rise(p: Floats, at: int, plastic: Number) -> tuple[Number, Number]:
 @checked
 @dataclass(frozen=True)
 class Table:
-    """Yield stress: straight between given points, constant beyond the last.
+    """Yield stress: linear between given points, constant beyond the last.
 
     Examples
     --------

@@ -61,9 +61,9 @@ class ShellMaterial:
     layers : sequence of Layer
         At least one.
     direction : sequence of float, or callable
-        Of the film, usually the machine direction MD, for layers with axes of their own: a vector,
-        of which the part in the sheet counts, or a function that returns a vector, shape (n, 3),
-        at each of some reference positions, shape (n, 3) [mm].
+        Direction of the film, usually the machine direction MD, for layers with axes of their own:
+        a vector, of which the part in the sheet counts, or a function that returns a vector, shape
+        (n, 3), at each of some reference positions, shape (n, 3) [mm].
 
     Notes
     -----
@@ -251,7 +251,7 @@ class ShellMaterial:
         )
 
     def transverse_shear(self, moduli: Floats) -> Floats:
-        """Return the effective ones of transverse shear moduli G, the symmetric part of K G."""
+        """Return the effective transverse shear moduli of G, the symmetric part of K G."""
         effective = product(self.shear_factors, moduli)
         return np.asarray(0.5 * (effective + effective.T))
 

@@ -137,7 +137,7 @@ def read_drawing(
 ) -> FilmOutline:
     """Read the outline of a film with its holes from DXF (extra ``outline``).
 
-    Curves are those of the model space and of its blocks. Layers are named in any case.
+    Curves are those of the model space and of its blocks. Case of layer names does not matter.
     ``$INSUNITS`` states the unit of the file. Polygons turn by 10 degrees at most in each point.
 
     Returns

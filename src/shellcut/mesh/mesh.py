@@ -227,7 +227,7 @@ class Mesh:
         return edge_lengths(self.nodes, self.quads)
 
     def node_set(self, name: str) -> Ints:
-        """Return the node ids of a named set, in any case where one set has the name so.
+        """Return the node ids of a named set; upper or lower case, if that leaves one set.
 
         Raises
         ------

@@ -243,10 +243,8 @@ def _supported(model: Model, mesh: Mesh | None) -> Ints:
     if mesh is not None:
         film = model.sections["membrane"]
         own = _BY_ITSELF.get((model.head.model, film.kind), film.values.get("clamp", ()))
-        choices: Iterable[Any] = (
-            *own,
-            *(support.nodes for support in model.lists.get("supports", ())),
-        )
+        supports = model.lists.get("supports", ())
+        choices: Iterable[Any] = (*own, *(support.nodes for support in supports))
         for chosen in choices:
             with suppress(*_REFUSALS):
                 found.append(choose_nodes(mesh, chosen))

@@ -212,9 +212,7 @@ class _Reading:
         recorded = {str(k): str(v) for k, v in self.table(FILES).items()}
         if self.problems:
             whole = {title: section for title, section in read.items() if section is not None}
-            those = {
-                title: tuple(entry for entry in each if entry) for title, each in several.items()
-            }
+            those = {title: tuple(filter(None, each)) for title, each in several.items()}
             self.raise_if_wrong(Model(HEAD(model=known), whole, those, {}, self.source))
         assert head is not None
         return Model(head, read, several, recorded, self.source)  # type: ignore[arg-type]

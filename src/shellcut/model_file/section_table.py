@@ -327,9 +327,7 @@ def _laws(like: CohesiveLaw) -> Kinds:
             name="trapezoid",
         ),
         made_by(CohesiveTable.linear, "linear", "", "It falls linearly to zero."),
-        made_by(
-            CohesiveTable.bilinear, "bilinear", "knee_opening", "It falls in two linear parts."
-        ),
+        made_by(CohesiveTable.bilinear, "bilinear", "knee_opening", "It falls along two lines."),
         made_by(
             CohesiveTable.exponential,
             "exponential",

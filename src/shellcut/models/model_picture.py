@@ -158,9 +158,8 @@ class _View:
         """Fill polygons, shape (n, n_corner, 3) [mm]."""
         from matplotlib.collections import PolyCollection
 
-        self.axes.add_collection(
-            PolyCollection(list(self.flat(corners)), facecolors=color, **style)
-        )
+        drawn = PolyCollection(list(self.flat(corners)), facecolors=color, **style)
+        self.axes.add_collection(drawn)
 
 
 def _draw_film(view: _View, mesh: Mesh, supported: Ints, worst: Ints) -> None:

@@ -98,9 +98,8 @@ def preview(
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), more=more)
     lines = [film, *_film_lines(mesh), *step_lines, *cost]
     lines += [*others, crack_line(sim), *_worst_lines(quality)]
-    lines += (
-        [f"{finding.word}: {finding}" for finding in check.findings] if check is not None else []
-    )
+    findings = check.findings if check is not None else []
+    lines += [f"{finding.word}: {finding}" for finding in findings]
     return "\n".join(lines)
 
 
