@@ -243,8 +243,7 @@ def _supported(model: Model, mesh: Mesh | None) -> Ints:
     if mesh is not None:
         film = model.sections["membrane"]
         own = _BY_ITSELF.get((model.head.model, film.kind), film.values.get("clamp", ()))
-        supports = model.lists.get("supports", ())
-        choices: Iterable[Any] = (*own, *(support.nodes for support in supports))
+        choices: Iterable[Any] = (*own, *(each.nodes for each in model.lists.get("supports", ())))
         for chosen in choices:
             with suppress(*_REFUSALS):
                 found.append(choose_nodes(mesh, chosen))

@@ -62,8 +62,7 @@ def settings() -> dict[str, Any]:
     """
     found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
     meanings: dict[str, str] = {}
-    titles = (table.title for table in tables())
-    arrays = [title.strip("[]") for title in titles if title.startswith("[[")]
+    arrays = [each.title.strip("[]") for each in tables() if each.title.startswith("[[")]
     for table in tables():
         title = f"{table.title.strip('[]')}."
         if array := next((known for known in arrays if title.startswith(f"{known}.")), ""):
