@@ -240,7 +240,7 @@ def _loaded_sides(mesh: Mesh, load: EdgeTraction) -> tuple[Ints, Ints, Floats]:
     loaded = chosen[pair].all(axis=2) & (count[inverse].reshape(key.shape) == 1)
     if not loaded.any():
         raise ValueError(
-            "an edge traction needs quad sides on the border, found none in {load.nodes!r}"
+            f"an edge traction needs quad sides on the border, found none in {load.nodes!r}"
         )
     quads, side = np.nonzero(loaded)
     length = np.linalg.norm(
