@@ -290,7 +290,7 @@ class TestRefusals:
 
     def test_a_deviation_of_triangles(self, tmp_path):
         straight_blade().write(tmp_path / "a.stl")
-        with pytest.raises(FileError, match="chord_deviation is of STEP and IGES"):
+        with pytest.raises(FileError, match="chord_deviation is for STEP and IGES"):
             read_tool(tmp_path / "a.stl", unit="mm", chord_deviation=0.1)
 
     @pytest.mark.parametrize(

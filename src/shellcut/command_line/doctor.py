@@ -26,7 +26,7 @@ from shellcut.numerics.threads import available_cores
 from .exit_code import BAD_INPUT, DONE
 
 _REQUIRED = (DISTRIBUTION, "numpy", "scipy", "numba", "h5py", "meshio")
-# What goes without an optional package, and the extra that brings it.
+# What an optional package is for, and the extra that installs it.
 _EXTRAS = {
     "matplotlib": ("pictures", "plot"),
     "imageio-ffmpeg": ("movies as mp4", "movie"),
@@ -64,10 +64,10 @@ def _problems() -> Iterator[str]:
             yield "Numba computes wrongly: reinstall numba"
     except Exception as reason:  # any failure of the compiler
         yield f"Numba fails: {reason}; pip install -U numba"
-    rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
-    caches = [getattr(kernel, "_cache", None) for room in rooms for kernel in vars(room).values()]
-    stored = [one for one in caches if isinstance(one, KernelCache) and one.can_store]
-    kept = {Path(one.cache_path) for one in stored}
+    modules = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
+    kernels = [kernel for module in modules for kernel in vars(module).values()]
+    caches = [getattr(kernel, "_cache", None) for kernel in kernels]
+    kept = {Path(c.cache_path) for c in caches if isinstance(c, KernelCache) and c.can_store}
     place = os.path.commonpath(kept) if kept else "nowhere: set NUMBA_CACHE_DIR to a folder"
     print(f"compiled code   {place}")
     try:

@@ -68,7 +68,7 @@ def run_model(
 def _ready(
     model: Model, folder: Path, log: RunLog, options: dict[str, Any]
 ) -> tuple[Case, Recorder] | int:
-    """Return a case and the recorder of its run, which holds the folder with its files open.
+    """Return a case and the recorder of its run, which locks the folder and has its files open.
 
     Or the exit code if it cannot run.
     """
@@ -122,14 +122,14 @@ def _built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, li
         began.append(time.perf_counter())
         log.say("compiling (first run only) ...")
 
-    def told(n: int, n_all: int) -> None:
+    def progress(n: int, n_all: int) -> None:
         nonlocal said
         if time.perf_counter() - said > _BETWEEN_LINES:
             said = time.perf_counter()
             log.say(f"compiling {n} of {n_all} kernels ...")
 
     with on_compilation(compiling):
-        warmup([model.head.model], told=told)
+        warmup([model.head.model], told=progress)
         case = model.build()
         if not options["resume"]:
             case.check.enforce(force=options["force"])
@@ -166,7 +166,7 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
 
 
 def _remedy(problem: Exception, folder: Path) -> str:
-    """Return what to do about a run that failed on the way."""
+    """Return what to do about a run that failed."""
     full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
     cause = "free space" if full else "remove the cause"
     if (folder / CHECKPOINT).exists():

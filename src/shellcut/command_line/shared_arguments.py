@@ -99,7 +99,7 @@ def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
         metavar="UNITS",
         type=_units,
         default="",
-        help='show figures, curves and pictures in these units, as "in, lbf"; sentences, written '
+        help='show values, curves and pictures in these units, as "in, lbf"; sentences, written '
         "files and the keys of a model stay in mm, N and s",
     )
 
@@ -115,7 +115,7 @@ def _units(text: str) -> str:
 def add_engine_to(parser: argparse.ArgumentParser) -> None:
     """Add ``--jobs`` and ``--dask``."""
     engine = parser.add_mutually_exclusive_group()
-    engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one a core")
+    engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one per core")
     engine.add_argument(
         "--dask",
         metavar="ADDRESS",

@@ -55,8 +55,8 @@ class GmshProcess:
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "answer.npz"
             self._run(path, str(out), *arguments)
-            with np.load(out) as held:
-                return dict(held)
+            with np.load(out) as answer:
+                return dict(answer)
 
     def _run(self, path: Path, *arguments: str) -> None:
         command = [sys.executable, "-X", "utf8", "-c", _START, self.script, str(path.resolve())]

@@ -57,7 +57,7 @@ def _section(section: Section, title: str) -> Iterator[str]:
 
 
 def _entry_heading(title: str, place: str) -> str:
-    return _commented(f"[[{title}]]", f"{title}{place} in --set and messages")
+    return _commented(f"[[{title}]]", f"called {title}{place} in --set and messages")
 
 
 def _keys(section: Section) -> Iterator[str]:

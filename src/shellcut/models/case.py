@@ -36,16 +36,16 @@ Clamp: TypeAlias = Annotated[
 Notch: TypeAlias = Annotated[
     float,
     Option(
-        "mm", "length of the cut ahead of the edge that meets the film first; 0 for none", least=0
+        "mm", "length of the cut at the cutting edge that meets the film first; 0: none", least=0
     ),
 ]
 
 
-def time_of_way(way: float, speed: float, ramp: float) -> float:
-    """Return how long a motion [s] takes over a way along a strip, its speed rising over a ramp."""
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
-    return way / speed + 0.5 * ramp
+def time_of_travel(travel: float, speed: float, ramp: float) -> float:
+    """Return the time [s] of a travel along a strip [mm] whose speed rises over a ramp."""
+    if not travel > 0.0:
+        raise ValueError(f"travel must be positive, got {travel:.4g} mm: lengthen the strip")
+    return travel / speed + 0.5 * ramp
 
 
 PAPER_DAMPING = 5e-8

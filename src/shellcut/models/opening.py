@@ -40,8 +40,8 @@ def opening_test(
     *,
     tool: Tool | None = None,
     pitch: Pitch = 12.0,
-    angle_deg: Annotated[float, Option("deg", "of the whole motion", above=0)] = 95.0,
-    duration: Annotated[float, Option("s", "of the run", above=0)] = 6.0e-3,
+    angle_deg: Annotated[float, Option("deg", "angle of the whole motion", above=0)] = 95.0,
+    duration: Annotated[float, Option("s", "duration of the run", above=0)] = 6.0e-3,
     clamp: Clamp = ("rim",),
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
@@ -59,9 +59,9 @@ def opening_test(
         The paper's film by default.
     **options
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``terms``, ...
-        Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
-        path, as in the package's discs under the default teeth, and go through quads elsewhere.
-        Edges of the film touch those of the tool unless ``Contact(film_edges=False)`` says
+        Without a ``fracture.path`` cracks follow quad sides if a line of them lies under the whole
+        path, as in the package's discs under the default teeth, and else run through quads. Borders
+        and flanks of the film touch the tool's edges unless ``Contact(film_edges=False)`` says
         otherwise: flanks of the cuts cross the teeth's bottom edges between their nodes.
 
     Returns

@@ -19,7 +19,7 @@ from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
-from .case import PAPER_DAMPING, Case, damped_by, time_of_way
+from .case import PAPER_DAMPING, Case, damped_by, time_of_travel
 from .options import ModelOptions
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
-"""Default law: 11.5 N/mm, torn over 2.4 mm, several edges of the default quads."""
+"""Default law: 11.5 N/mm, torn over 2.4 mm, several sides of the default quads."""
 
 THICKNESS = 0.2
 """Default thickness [mm]: the legs are stiff in bending beside their width."""
@@ -64,23 +64,23 @@ def duration_of(
     length: float, width: float, *, travel: float | None, speed: float, ramp: float
 ) -> float:
     """Return the duration of a test [s], with the parameters of :func:`trouser`."""
-    way = length - _LEFT * width if travel is None else travel
-    return time_of_way(way, speed, ramp)
+    distance = length - _LEFT * width if travel is None else travel
+    return time_of_travel(distance, speed, ramp)
 
 
 @checked
 def trouser(
     size: QuadSize = 0.5,
     *,
-    length: Annotated[float, Option("mm", "along the tear", above=0)] = 19.0,
-    width: Annotated[float, Option("mm", "of both legs together", above=0)] = 6.0,
+    length: Annotated[float, Option("mm", "length along the tear", above=0)] = 19.0,
+    width: Annotated[float, Option("mm", "width of both legs together", above=0)] = 6.0,
     notch: Annotated[float, Option("mm", "length of the cut between the legs", above=0)] = 6.0,
     travel: Annotated[
         float | None,
-        Option("mm", "way of each end", above=0, unset="length less 2/3 of the width"),
+        Option("mm", "distance that each end moves", above=0, unset="length less 2/3 of the width"),
     ] = None,
-    speed: Annotated[float, Option("mm/s", "of each end, one up and one down", above=0)] = 2500.0,
-    ramp: Annotated[float, Option("s", "time over which it rises", least=0)] = 3e-4,
+    speed: Annotated[float, Option("mm/s", "speed of the ends, up and down", above=0)] = 2500.0,
+    ramp: Annotated[float, Option("s", "time over which the speed rises", least=0)] = 3e-4,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
     **options: Unpack[ModelOptions],
