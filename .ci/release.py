@@ -4,7 +4,8 @@ pip builds a wheel of the sources alone. Its package, unpacked, compiles its ker
 once for each kind of processor in ``LEVELS``: those of ``kernels.json``, on all cores, and those of
 the runs with options in ``tests/record_kernels.py``. They go into the folder ``compiled`` of the
 package (:mod:`shellcut.numerics.kernel_cache`), and the wheel is packed again, for this version of
-Python and this platform. A few minutes a level; the processor must be of the highest.
+Python and the platforms of Numba's wheel. A few minutes a level; the processor must be of the
+highest.
 """
 
 import argparse
@@ -12,10 +13,10 @@ import os
 import shutil
 import subprocess
 import sys
-import sysconfig
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from importlib.metadata import distribution
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -69,12 +70,29 @@ def gathered(package: Path, level: str) -> int:
 
 
 def tag_for_this_platform(site: Path) -> None:
-    """Write into a wheel's own file that it is for this Python and platform."""
+    """Write into a wheel's own file that it is for this Python and the platforms of Numba's wheel.
+
+    The kernels are object code that Numba links when it loads them; they name functions of the C
+    library without a version of it. So the wheel runs where Numba's own does, on ``manylinux_2_27``
+    for example. auditwheel cannot tell: there is no shared library in the wheel.
+    """
     (file,) = site.glob("*.dist-info/WHEEL")
     python_ = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    lines = [f"Tag: {python_}-{python_}-{platform}" for platform in platforms_of_numba()]
     text = file.read_text().replace("Root-Is-Purelib: true", "Root-Is-Purelib: false")
-    file.write_text(text.replace("py3-none-any", f"{python_}-{python_}-{platform}"))
+    file.write_text(text.replace("Tag: py3-none-any", "\n".join(lines)))
+
+
+def platforms_of_numba() -> list[str]:
+    """Return the platforms of the installed wheel of Numba, as in a wheel's name."""
+    said = distribution("numba").read_text("WHEEL") or ""
+    found = [one.rpartition("-")[2] for one in said.splitlines() if one.startswith("Tag: ")]
+    if not found or any(platform.startswith("linux_") for platform in found):
+        raise SystemExit(
+            f"the installed Numba was built here (its platforms: {found}), and a package index "
+            "refuses a wheel for it: install Numba's wheel from the index"
+        )
+    return found
 
 
 def said(code: str, site: Path) -> str:

@@ -28,6 +28,7 @@ def reference():
 def _section(name, parser):
     lines = [f"### shellcut {name}", "", parser.description, ""]
     actions = [a for a in parser._actions if not isinstance(a, argparse._HelpAction)]
+    actions = [a for a in actions if a.help != argparse.SUPPRESS]
     if actions:
         lines += ["| argument | meaning |", "|---|---|"]
         lines += [f"| {_spelling(a)} | {_meaning(a)} |" for a in actions]

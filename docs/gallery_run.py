@@ -8,6 +8,10 @@ that a cell leaves open; a check that fails stops the build.
 import tempfile
 from pathlib import Path
 
+import shellcut
+from shellcut.recording.frame_capture import Exposure
+from shellcut.view import Look, png_of
+
 QUICK = {
     "opening_test": ["--mesh", "quick", "--angle", "56", "--duration", "3.5e-3"],
     "guillotine": ["--size", "0.8", "--length", "14"],
@@ -66,3 +70,29 @@ class QuickSettings:
 
 def _results_of(example):
     return Path(tempfile.gettempdir()) / "shellcut-gallery" / example.stem
+
+
+def draw_thumbnail(block, block_vars, gallery_conf):
+    """Draw the film at the end of the run; only the gallery's overview shows this picture.
+
+    It is the first picture of an example, of which the gallery makes the thumbnail. An example
+    without a run has one of its own pictures there.
+    """
+    pictures = block_vars["image_path_iterator"]
+    if len(pictures) == 0 and (frame := _last_frame(block_vars)) is not None:
+        Path(next(pictures)).write_bytes(png_of(frame, Look(zoom=1.15), (560, 800)))
+    return ""  # nothing in the page
+
+
+def _last_frame(block_vars):
+    """Return that of the last run in the results folder, else of a simulation that has moved."""
+    ended = _results_of(Path(block_vars["src_file"])).rglob("summary.json")
+    for summary in sorted(ended, key=lambda path: path.stat().st_mtime, reverse=True):
+        run = shellcut.read(summary.parent)
+        if run.n_frame:
+            return run.frame(-1)
+    for value in block_vars["example_globals"].values():
+        if isinstance(value, shellcut.Simulation) and value.state.time > 0.0:
+            exposed = Exposure.of(value, coordinate=0.0, coordinate_name="", coordinate_unit="")
+            return exposed.frame()
+    return None

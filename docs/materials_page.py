@@ -15,8 +15,9 @@ PAGE = Path(__file__).parent / "materials.md"
 PICTURE = PAGE.parent / "img" / "materials.png"
 TOP = """# Materials by name
 
-This page lists films with published numbers. A name stands for keys of `[material]`. Below its keys
-stands who measured what on which film. `python docs/materials_page.py` makes this page.
+This page lists films whose numbers are published. A name sets keys of `[material]`. Each section
+gives these keys, how they follow from the published numbers, and the sources.
+`python docs/materials_page.py` makes this page.
 
 ```sh
 shellcut run opening --set material=pet --set material.thickness="36 um" -o out
@@ -24,7 +25,7 @@ shellcut run opening --set material=pet --set material.thickness="36 um" -o out
 
 ```toml
 [material]
-preset = "pet"               # every key that is not given here
+preset = "pet"               # sets every key that you do not give
 thickness = "12 um"
 
 [[material.layers]]          # or layer by layer, from the bottom to the top
@@ -35,35 +36,35 @@ thickness = "60 um"
 preset = "aluminium_foil"
 ```
 
-(One of the two, not both.) A given key replaces that of the preset. A table
-`[material.hardening]` of another kind takes the place of the preset's as a whole. `used.toml`
-lists the numbers themselves. In Python: `shellcut.preset_film("pet", thickness="12 um")`. Where a
-film yields below the strength of the cables, or cannot reach it, the [check](howto/trust.md)
-before the run says so; [which strength](theory/yielding.md#which-strength) gives the theory. The
-law of the cables does not come with a film, and a note says so where none is given: take it from
-[tensile tests](howto/tensile.md) or from a [measured cut](howto/fit.md).
+Use one of the two, not both. In Python: `shellcut.preset_film("pet", thickness="12 um")`.
 
-Films differ by grade, direction, rate and age, by tens of per cent. These are starting points.
-Measure yours.
+- A key that you give replaces that of the preset. A table `[material.hardening]` of another kind
+  replaces the whole table of the preset. `used.toml` lists the numbers of the run.
+- The [check](howto/trust.md) before the run says whether the film yields below the strength of the
+  cables, or cannot reach this strength ([theory](theory/yielding.md#which-strength)).
+- A preset has no law of the cables. If you give none, a note says so. Determine the law from
+  [tensile tests](howto/tensile.md) or from a [measured cut](howto/fit.md).
+
+Films differ by tens of per cent with grade, direction, rate and age. So these numbers are starting
+points: measure your film.
 
 ![Nominal stress over strain](img/materials.png)
 
-*Nominal stress over engineering strain, uniaxial; circles: published.*
+*Nominal stress against engineering strain in a uniaxial test. Circles are published values.*
 
 """
 MISSING = """
-## Not here
+## What is missing
 
 **BOPP.** Modulus, strength and elongation of biaxially oriented polypropylene are published along
 and across (m-petfilm.de, Comparative data for plastic films, ISO 527: 2500 and 4500 N/mm², 150
-and 250 N/mm² at 150 and 50 %), but we found no yield stress, no stress at 5 %, no r-values and no
-shear modulus of the same film to go with them. A law through the break alone would be a guess.
-Measure a strip along and one across: [`shellcut tensile`](howto/tensile.md) makes a section
-`[material]` of each.
+and 250 N/mm² at 150 and 50 %). We found no yield stress, stress at 5 %, r-values or shear modulus
+of the same film. A law through the break alone would be a guess. Measure one strip along and one
+across the film: [`shellcut tensile`](howto/tensile.md) makes a section `[material]` of each.
 
-**Rates.** None of the sources gives a second rate, so no preset has a rate factor. At the speed
-of a cut (strain rates of 100 to 10,000 1/s) polymers are stiffer and stronger than in these tests
-(0.01 to 0.1 1/s).
+**Rates.** No source gives a second rate, so no preset has a rate factor. At the speed of a cut
+(strain rates of 100 to 10,000 1/s) polymers are stiffer and stronger than in these tests (0.01 to
+0.1 1/s).
 """
 
 
@@ -74,18 +75,18 @@ def page():
         "|---|---|---|---|---|",
     ]
     for name, one in presets().items():
-        rows.append(f"| [`{name}`](#{name}) | {one['title']} | {' | '.join(_figures(name))} |")
+        rows.append(f"| [`{name}`](#{name}) | {one['title']} | {' | '.join(_values(name))} |")
     parts = [TOP + "\n".join(rows)]
     for name, one in presets().items():
         sources = "\n".join(f"- {text}" for text in one["sources"])
         parts.append(
             f"## {name}\n\n{one['title']}.\n\n{_keys(one['material'])}\n\n"
-            f"Fits of ours: {one['fit']}\n\n{sources}"
+            f"How the keys follow: {one['fit']}\n\n{sources}"
         )
     return "\n\n".join(parts) + "\n" + MISSING
 
 
-def _figures(name):
+def _values(name):
     film = preset_film(name)
     modulus = film.stretching_stiffness / film.thickness
     largest = "elastic"

@@ -61,15 +61,15 @@ def _table(table):
     if table.title:
         kind = f'`kind = "{table.kind.name}"`, ' if table.kind.name else ""
         own = f"`{table.title}`, " if "." in table.title else ""
-        told = f" Recognised by `{table.kind.sign}`." if table.kind.sign else ""
-        lines += [f"{own}{kind}{table.where}: {table.kind.doc}{told}", ""]
+        sign = f" Recognised by `{table.kind.sign}`." if table.kind.sign else ""
+        lines += [f"{own}{kind}{table.where}: {table.kind.doc}{sign}", ""]
     return "\n".join([*lines, HEAD, *(_row(*item) for item in table.keys.items()), ""])
 
 
 def _row(name, key):
     also = f", `{key.also}`" if key.also else ""
     unit = f"`{key.option.unit}`" if key.option.unit else ""
-    default = f"`{key.told}`" if key.has_default else key.told
+    default = f"`{key.default_text}`" if key.has_default else key.default_text
     return f"| `{name}`{also} | {key.wants} | {unit} | {default} | {key.option.text} |"
 
 

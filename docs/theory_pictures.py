@@ -185,7 +185,7 @@ def cables():
         parts += [text(400, nose[1] + sign * 30 + 5, f"ℓ{'⁺' if name == '+' else '⁻'}", GREEN)]
         parts += [text(330, nose[1] + way + (22 if sign > 0 else -12), f"flank {name}", INK)]
     parts += [dot(nose, RED, 5), text(422, 115, "joint", RED), text(318, 115, "blade", GREY)]
-    parts += [arrow((312, 206), (372, 206)), text(380, 211, "the blade's way")]
+    parts += [arrow((312, 206), (372, 206)), text(380, 211, "motion of the blade")]
     return drawing(232, *parts)
 
 
@@ -212,7 +212,7 @@ def fracture():
     parts += [text(216, 112, "tip"), text(300, 110, "side ahead", RED)]
     parts += [arrow((352, 190), (350, 148), INK), text(358, 166, "m", INK)]
     parts += [text(24, 98, "cables", GREEN)]
-    parts += [text(396, 66, "It runs when"), text(396, 90, "(F_c + B)·m", RED)]
+    parts += [text(396, 66, "It advances when"), text(396, 90, "(F_c + B)·m", RED)]
     parts += [text(396, 112, "   ≥ σ_F A", RED), text(396, 144, "A/h: half of")]
     parts += [
         text(396, 164, "either side at the"),
@@ -238,7 +238,7 @@ def fracture():
         text(334, 275, "mid-plane of the blade", INK),
         text(334, 295, "where it will be", INK),
     ]
-    parts += [text(274, 322, "an edge length ahead", INK), text(274, 345, "side taken:", RED)]
+    parts += [text(274, 322, "one element size ahead", INK), text(274, 345, "side taken:", RED)]
     parts += [text(274, 365, "least angle to the arrow", RED), text(136, 358, "tip")]
     parts += [text(52, 330, "crack", RED), text(14, 250, "Under a blade:"), text(14, 24, "Force:")]
     return drawing(424, *parts)
@@ -271,7 +271,7 @@ def statics():
     parts += [arrow(at(a, load(a)), ahead, RED, 1.6)]
     snap = next(w / 1000 for w in range(2000, 2300) if load(w / 1000) > 0.99)
     parts += [line([at(turn[0], 1), at(snap, 1)], GREY, 1.2, "2 4")]
-    parts += [text(*_by(at(0.9, 1), 0, -10), "snap, load held", GREY)]
+    parts += [text(*_by(at(0.9, 1), 0, -10), "snap at constant load", GREY)]
     parts += [text(*_by(at(0.14, 0.3), 10, 10), "0"), text(*_by(at(0.93, 0.5), -36, 4), "1")]
     parts += [
         text(*_by(at(2.0, 0), 4, -10), "0"),
@@ -368,7 +368,7 @@ def curved_films():
     parts += [line([tip, (tip[0] + delta * b[0], y - delta * b[1])], RED, 1.5, "4 3")]
     parts += [text(tip[0] + 32, y - 46, "|δ|", RED)]
     parts += [arrow((tip[0], y + 16), (x, y + 16), RED), text(116, y + 38, "|δ|/√(1 − λ²)", RED)]
-    parts += [text(300, y + 38, "way to the plane in the sheet", RED)]
+    parts += [text(300, y + 38, "path to the plane in the sheet", RED)]
     return drawing(452, *parts)
 
 
@@ -490,7 +490,7 @@ def opening():
         text(nose[0] - 36, nose[1] + 26, "edge", RED),
         text(262, 314, "Section parallel to the sheet"),
     ]
-    parts += [text(14, 276, "From above: clamped rim")]
+    parts += [text(14, 276, "From above: clamped border")]
     return drawing(504, *parts)
 
 
@@ -555,8 +555,8 @@ def yielding_disc():
     drawn = {
         "1,260 quads": (RED, ""),
         "560 quads": (RED, "6 4"),
-        "CalculiX, shells, 384, rim held against rotation": (INK, ""),
-        "shells, 60, rim held in place only": (INK, "6 4"),
+        "CalculiX, shells, 384, border clamped": (INK, ""),
+        "shells, 60, border free to rotate": (INK, "6 4"),
     }
     for name, (colour, dash) in drawn.items():
         over = [100 * (float(w) / s - 1) for w, s in zip(values[name], solids, strict=True)]
@@ -571,8 +571,8 @@ def _legend(drawn):
     names = [
         "ours, 1,260 quads",
         "ours, 560 quads",
-        "CalculiX's shells, rim held",
-        "rim free to turn",
+        "CalculiX's shells, border clamped",
+        "border free to rotate",
     ]
     places = [(20, 450), (20, 474), (230, 450), (230, 474)]
     for name, (x, y), (colour, dash) in zip(names, places, drawn.values(), strict=True):

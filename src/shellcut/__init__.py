@@ -11,12 +11,11 @@ A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, support
 from .signals import Importing
 
 with Importing():
-    from importlib.metadata import version
-
     from . import meshing, tool_shapes
     from .cables.cohesive_law import CohesiveLaw, CohesiveTable
     from .checks import check_model
     from .contact.settings import Contact
+    from .files.distribution import VERSION
     from .fracture.anisotropy import Anisotropy
     from .fracture.options import Fracture
     from .loads.adhesion import Adhesion
@@ -74,7 +73,7 @@ with Importing():
     from .tool.touch import Booking, Touch
     from .unit import showing
 
-__version__ = version("shellcut")
+__version__ = VERSION
 
 __all__ = [
     "Adhesion",

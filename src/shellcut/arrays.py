@@ -59,11 +59,11 @@ def unit(vectors: Floats) -> Floats:
     return np.asarray(np.divide(vectors, length, out=out, where=length != 0.0))
 
 
-def angles(one: Floats, two: Floats) -> Floats:
+def angles(first: Floats, second: Floats) -> Floats:
     """Return the angles between vectors, or rows along the last axis [rad]."""
     # The arc tangent keeps small angles, which an arc cosine rounds to zero.
-    cosine = np.add.reduce(one * two, axis=-1)
-    return each(math.atan2, norm(np.cross(one, two)), cosine)
+    cosine = np.add.reduce(first * second, axis=-1)
+    return each(math.atan2, norm(np.cross(first, second)), cosine)
 
 
 def off_segments(points: Floats, starts: Floats, vectors: Floats) -> tuple[Floats, Floats]:
@@ -90,10 +90,10 @@ def node_rows(name: str, values: Any, n_node: int) -> Floats:
     """Return three finite numbers a node, shape (n_node, 3); ValueError, by the name, if not."""
     rows = np.asarray(values, dtype=np.float64)
     if rows.shape != (n_node, 3):
-        raise ValueError(f"{name} must have shape ({n_node}, 3), a row a node, got {rows.shape}")
+        raise ValueError(f"{name} must have shape ({n_node}, 3), a row per node, got {rows.shape}")
     if not np.isfinite(rows).all():
         bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))[:5].tolist()
-        raise ValueError(f"{name} must be finite, is not at nodes {bad}")
+        raise ValueError(f"{name} must be finite, but is not at nodes {bad}")
     return rows
 
 

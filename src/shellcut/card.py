@@ -1,4 +1,4 @@
-"""Cards: what notebooks show of an object, a small picture, figures with units and a verdict."""
+"""Cards: what notebooks show of an object, a small picture, values with units and a verdict."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .arrays import Floats, Numbers
 from .unit import after, shown, with_unit
 
 Figures: TypeAlias = list[tuple[str, float | str, str]]
-"""Name, value and unit of each figure."""
+"""Name, value and unit of each entry."""
 
 FILM, TOOL = "#7fb5c9", "#c3c7cf"
 """Colours of film and tool in a drawing."""
 
 _WIDTH, _HEIGHT = 260.0, 170.0  # of a picture [pixel]
 _LINE = 16.0  # of names [pixel]
-_MOST = 3000  # faces in a picture; of more the rim, and of a closed surface what is seen best
+_MOST = 3000  # faces in a picture; of more the border, of a closed surface what is seen best
 _TOWARD = np.array([0.371, -0.643, 0.669])  # to the viewer, as in the pictures of a run
 _RIGHT = np.array([0.866, 0.5, 0.0])
 _COLORS = {"good": "#1a7f37", "doubt": "#b3261e", "note": "#2f5d8a"}
@@ -66,7 +66,7 @@ def image(png: bytes, alt: str) -> str:
 
 
 def figures_of(thing: Any) -> Figures:
-    """Return the figures of a dataclass, and of those in it, that are declared as options.
+    """Return the values declared as options of a dataclass, and of the dataclasses in it.
 
     Numbers and texts that are as they are by default are left out.
     """
@@ -82,7 +82,7 @@ def figures_of(thing: Any) -> Figures:
 
 
 def extent(points: Floats) -> tuple[str, str, str]:
-    """Return the figure of how far points reach along x, y and z."""
+    """Return name, sizes along x, y and z, and unit of the extent of points."""
     unit, factor = shown("mm")
     return "extent", " × ".join(f"{factor * size:.4g}" for size in np.ptp(points, axis=0)), unit
 

@@ -44,7 +44,7 @@ class KickResult(NamedTuple):
     kinetic_translation: float
     """[N·mm]"""
     kinetic_rotation: float
-    """Of the scaled inertia [N·mm]."""
+    """Energy of the scaled inertia [N·mm]."""
     mass_damping: float
     """Dissipated by alpha over the interval centred at t_n [N·mm]."""
     support_work: float
@@ -52,7 +52,7 @@ class KickResult(NamedTuple):
 
     @property
     def kinetic(self) -> float:
-        """Of translation and rotation [N·mm]."""
+        """Energy of translation and rotation [N·mm]."""
         return self.kinetic_translation + self.kinetic_rotation
 
 

@@ -109,8 +109,8 @@ class Frame:
 
     quad_stress: Annotated[Floats, Rows("quad", (3,), arrays=("membrane stress [MPa]",))]
     """Cauchy membrane stress s11, s22, s12 in the lamina frame, shape (n_quad, 3), [MPa]: the mean
-    over the thickness. The frame's first axis runs from the middle of the quad's edge 3-0 to that
-    of its edge 1-2."""
+    over the thickness. The frame's first axis runs from the middle of the quad's side 3-0 to that
+    of its side 1-2."""
 
     quad_principal: Annotated[Floats, Rows("quad", (2,), arrays=_principal(""))]
     """Largest and smallest principal membrane stress, shape (n_quad, 2), [MPa]."""
@@ -146,7 +146,7 @@ class Frame:
     """Whether a support prescribes any motion of the node, shape (n_node,); left out: none."""
 
     crack_edges: Annotated[Ints, Rows("crack", (2, 2), dtype=np.int64, ids="node")] = _LEFT_OUT
-    """Node ids ((a_minus, b_minus), (a_plus, b_plus)) of the two flanks of each crack edge,
+    """Node ids ((a_minus, b_minus), (a_plus, b_plus)) of the two flanks of each side along a crack,
     shape (n_crack, 2, 2); a flank that ends at a crack tip shares that node with the other."""
 
     cable_segments: Annotated[Floats, Rows("segment", (2, 3))] = _LEFT_OUT

@@ -159,7 +159,7 @@ def evaluate_tensile(
     start = _yield(rising, loaded, young, offset)
     yield_stress, plastic, true = float("nan"), np.zeros(0), np.zeros(0)
     if start is None:
-        notes.append(f"the film parts before a plastic strain of {100.0 * offset:g} %: no yield")
+        notes.append(f"the film tears before a plastic strain of {100.0 * offset:g} %: no yield")
     else:
         yield_stress = float(start[1])
         plastic, true = _hardening(rising, loaded, young, float(start[0]))
@@ -187,7 +187,7 @@ def _curve(
     """Return strain [-] and nominal stress [MPa]; ValueError names all that is wrong."""
     x, y = np.array(strain, np.float64), np.array(stress, np.float64)
     if x.ndim != 1 or x.shape != y.shape:
-        raise ValueError(f"strain and stress must be of one length, got {x.shape} and {y.shape}")
+        raise ValueError(f"strain and stress must be equally long, got {x.shape} and {y.shape}")
     problems = [
         f"{name} must be above 0, got {value!r}"
         for name, value in (("gauge_length", gauge_length), ("section", section))

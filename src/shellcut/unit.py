@@ -21,7 +21,7 @@ from math import pi
 Sizes = Mapping[str, Fraction]
 """Size of each unit of one dimension. Fractions, so that 0.92 g/cm^3 is the double 9.2e-10."""
 Exponents = tuple[int, int, int, int]
-"""Of length, force, time and angle; a mass is force x time² / length."""
+"""Exponents of length, force, time and angle; a mass is force x time² / length."""
 
 
 def _exactly(sizes: Mapping[str, str]) -> dict[str, Fraction]:
@@ -273,21 +273,21 @@ def conversion(unit: str, to: str) -> float:
     return float(size / target)
 
 
-_WANTED: ContextVar[str] = ContextVar("units in which figures are shown", default="")
+_WANTED: ContextVar[str] = ContextVar("units of the values shown", default="")
 
 
 @contextmanager
 def showing(units: str) -> Iterator[None]:
-    """Show the figures of tables, curves, pictures and pages in these units.
+    """Show the values of tables, curves, pictures and pages in these units.
 
     Sentences, model files and written numbers (CSV, HDF5, JSON) stay in mm, N and s.
 
     Parameters
     ----------
     units : str
-        With commas, as ``"in, lbf"``: lengths and forces, and what is made of them, take these; a
-        unit of the same dimension, as ``"psi"`` for a stress, goes first. What none is for keeps
-        its unit.
+        Names joined by commas, as ``"in, lbf"``, used for lengths, forces and what is made of them.
+        A unit of the same dimension, as ``"psi"`` for a stress, is preferred. All else keeps its
+        unit.
 
     Raises
     ------

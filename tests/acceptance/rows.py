@@ -40,7 +40,7 @@ def readme(user: User) -> str:
 
 @ROWS.add(
     "0-2",
-    "pip install shellcut[plot] in a fresh environment",
+    "pip install 'shellcut-fem[plot]' in a fresh environment",
     seconds=120,
     limit="wheels only: no compiler; no GPL package; own wheel pure and < 2 MB",
 )
@@ -147,7 +147,7 @@ _OWN = "--set membrane.file=parts/disc.msh --set membrane.clamp=clamped --set to
 
 COMMANDS = (
     # Minute, command, exit code, what is said, what is left; limit [s].
-    ("2", "doctor", 0, ("compiled code", "matplotlib", "pip install shellcut[mesh]"), (), 30),
+    ("2", "doctor", 0, ("compiled code", "matplotlib", "pip install 'shellcut-fem[mesh]'"), (), 30),
     ("7", "report out", 0, (), ("out/report.html",), 30),
     ("7", "view out", 0, (), ("out/view.html",), 30),
     ("9-10", "run opening --write-model tooth.toml", 0, (), ("tooth.toml",), 10),

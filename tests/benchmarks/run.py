@@ -19,6 +19,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+import shellcut
 from benchmarks import compile, cut, gates, instructions, machine, memory, peers, report, steps
 from benchmarks.discs import SIZES
 from benchmarks.harness import Neighbours
@@ -102,7 +103,8 @@ def main() -> int:
     results = Results(
         when=datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC"),
         versions={"python": platform.python_version(), "system": platform.system()}
-        | {name: importlib.metadata.version(name) for name in ("shellcut", "numpy", "numba")},
+        | {"shellcut": shellcut.__version__}
+        | {name: importlib.metadata.version(name) for name in ("numpy", "numba")},
         quick=options.quick,
     )
     for name, (part, section) in PARTS.items():

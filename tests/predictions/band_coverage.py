@@ -1,9 +1,9 @@
-"""Coverage: ``python tests/predictions/band_coverage.py``; do error bars hold the fine answer?
+"""Coverage: ``python tests/predictions/band_coverage.py``; do error bars contain the fine answer?
 
 Draws small models at random within the documented ranges, runs each with its companions and once
 much finer and slower, and counts how often the figures of the fine run lie within the bands. Writes
 ``docs/error-bars.md`` and its picture. The runs take some 25 minutes of a core; their figures are
-kept in a file, so a run that was ended goes on.
+kept in a file, so the script continues after it was stopped.
 """
 
 import argparse
@@ -35,8 +35,9 @@ FIGURES = (
 KINETIC = 0.05
 SPEEDS = {
     False: "kinetic energy of the model as given up to 5 %",
-    True: "above, which a verdict distrusts",
+    True: "above 5 %, which a verdict distrusts",
 }
+LABELS = {"chance": "run-to-run scatter"}
 FINER, SLOWER = 2.2, 2.5
 """Of the fine answer: the mesh of the finest companion is 1.5 times finer, the slowest half as
 fast."""
@@ -296,7 +297,9 @@ def page(found):
         f"{c.bar.half_width:.2g} | {with_unit(c.bar.figure, c.fine)} | {abs(c.off):.2f} |"
         for c in missed
     ]
-    head = "| | figures | covered | share | median ± over the value |\n|---|---:|---:|---:|---:|"
+    head = (
+        "| | values | covered | share | median half-width over value |\n|---|---:|---:|---:|---:|"
+    )
     by_median = 100.0 * np.mean([median_band(case) for case in cases])
     return TEXT.format(
         n=len(found),
@@ -308,9 +311,9 @@ def page(found):
         finer=FINER,
         slower=SLOWER,
         minutes=minutes,
-        failed=f"A companion run failed in {failed} models; their error bars lack it."
+        failed=f"A run failed in {failed} models; it is missing in their error bars."
         if failed
-        else "No companion run failed.",
+        else "No run failed.",
         figures="\n".join([head, *shares(cases, lambda case: case.bar.name)]),
         by_kind="\n".join([head, *shares(cases, lambda case: case.kind)]),
         by_speed="\n".join([head, *shares(cases, lambda case: SPEEDS[case.fast])]),
@@ -334,7 +337,7 @@ def _parts(cases):
             math.hypot(*(w for name, w in case.bar.parts.items() if name != part)) for case in cases
         ]
         inside = [abs(c.fine - c.bar.value) <= w for c, w in zip(cases, left, strict=True)]
-        yield f"| {part} | {100.0 * np.mean(inside):.1f} % |"
+        yield f"| {LABELS.get(part, part)} | {100.0 * np.mean(inside):.1f} % |"
 
 
 def picture(found, path):
@@ -353,7 +356,7 @@ def picture(found, path):
     ends = [0.0, len(cases) - 1.0]
     curves += [Curve("the band", [at, at], "mean", x=ends) for at in (-1.0, 1.0)]
     name = "(fine answer - value) / half-width"
-    draw_curves(path, [Diagram(ends, curves, "figures of all models", "", name, "")], size=(10, 5))
+    draw_curves(path, [Diagram(ends, curves, "values of all models", "", name, "")], size=(10, 5))
 
 
 def main():
@@ -370,19 +373,21 @@ def main():
     print(f"{share:.1f} % covered ({low:.1f} to {high:.1f} %), {len(found)} models")
 
 
-TEXT = """# How often error bars hold the fine answer
+TEXT = """# Do error bars contain the fine answer?
 
-This page shows how far the [error bars](howto/converge.md) of `shellcut converge` can be trusted:
-whether 95 % of them hold what a much finer and slower run gives.
+This page shows how far you can trust the [error bars](howto/converge.md) of `shellcut converge`:
+do 95 % of them contain the result of a much finer and slower run?
 `python tests/predictions/band_coverage.py` makes it.
 
-{n} small models are drawn at random, seeds fixed: {kinds}.
-Modulus, thickness, strength, shape of the law, length of the process zone (3.2 to 4.5 edges),
-widths, angles of the blade, friction and speed differ. Each is run with its companions, and once on
-a mesh {finer:g} times finer (the finest companion: 1.5) at 1/{slower:g} of the speed (the slowest:
-1/2). That run is the fine answer; it has its own chance, which the band must hold, too.
+{n} small models are drawn at random with fixed seeds: {kinds}. They differ in modulus,
+thickness, strength, shape of the law, length of the process zone (3.2 to 4.5 sides of quads),
+widths, angles of the blade, friction and speed. Each model is run as `shellcut converge` runs
+it: as given, and with changed mesh, speed and details. It is run once more on a mesh {finer:g}
+times finer (the finest of the others: 1.5) at 1/{slower:g} of the speed (the slowest of the
+others: 1/2). The last run is the fine answer. It has run-to-run scatter, too, which the error
+bar must contain.
 
-**{share:.1f} % of {n_figure} figures lie within their band** (95 % interval over the models:
+**{share:.1f} % of {n_figure} values lie within their error bar** (95 % interval over the models:
 {low:.1f} to {high:.1f} %). The aim is 93 to 97 %.
 
 {figures}
@@ -393,35 +398,43 @@ a mesh {finer:g} times finer (the finest companion: 1.5) at 1/{slower:g} of the 
 
 ![How far fine answers lie from the values](img/error_bars.png)
 
-Beyond ±3 they are drawn at ±3. Each part of the band is needed:
+Beyond ±3 the points are drawn at ±3.
+
+## Each part of the error bar is needed
 
 {parts}
 
-The median of all runs, with the t distribution of their mean or their largest difference, whichever
-is larger, would hold {by_median:.0f} %: it does not contain what a finer mesh still changes.
+The median of all runs is a simpler choice, with the t interval of their mean or their largest
+difference, whichever is larger. Its bar would contain {by_median:.0f} % of the fine answers,
+because it leaves out what a finer mesh still changes.
 
-No number in the band is fitted, two choices stand beside others: with order 2 in place of 1 in the
-part of the mesh it would hold {by_second:.1f} %, for cracks and sawteeth do not converge as shells
-do; with a crack's length known to half an edge in place of one, {by_half:.1f} %.
+No number in the error bar is fitted. Two choices are made:
+
+- The error of the mesh is of first order. With second order the bars would contain
+  {by_second:.1f} %, because cracks and sawteeth do not converge as shells do.
+- The length of a crack is known to one side of a quad. With half a side the bars would contain
+  {by_half:.1f} %.
 
 ## What it does not show
 
-- The models are small, 50 to 250 quads, and coarse and fast, so that 1700 runs can be paid:
-  the kinetic energy of {fast} as given passes the [5 %](howto/trust.md) of the verdict. Their bands
-  are wide, {width:.0f} % of the value in the median; finer and slower models have narrower ones.
-- Errors that all runs share: the law, the material, the friction, the shell theory.
+- The models have only 50 to 250 quads and are coarse and fast, so that 1700 runs are possible.
+  The kinetic energy of {fast} models as given exceeds the [5 %](howto/trust.md) of the verdict.
+  Their error bars are wide, {width:.0f} % of the value in the median. Finer and slower models
+  have narrower ones.
+- Errors that all runs share are not in the bars: the law, the material, the friction, the shell
+  theory.
 - {failed}
 
-## The misses
+## Values outside their error bar
 
-{n_missed} figures; the last column is how far the fine answer lies from the value, over the
-half-width.
+These are {n_missed} values. The last column is the distance between the fine answer and the
+value, divided by the half-width.
 
-| model | kind | figure | value ± half-width | fine answer | off |
+| model | kind | quantity | value ± half-width | fine answer | distance |
 |---:|---|---|---:|---:|---:|
 {missed}
 
-The runs took {minutes:.0f} minutes on a machine that had other work.
+The runs took {minutes:.0f} minutes on a machine with other work.
 """
 
 

@@ -54,13 +54,13 @@ def run(size, thickness, off=0, pace=1.0, torn_over=0.3, share=None):
         book, way = sim.close_ledger(), tears.SPEED * (sim.state.time - 0.5 * tears.RISE)
         return given | {
             "m, without inertia": m,
-            "last breadth, without inertia [mm]": float(w[-1]),
+            "last width, without inertia [mm]": float(w[-1]),
             "damping over work, without inertia": book.relative(book.damping),
             "mean force, without inertia [N]": book.support_work / way,
         }
     return given | {
         f"exponent m, h = {thickness:g} mm": m,
-        f"last breadth, h = {thickness:g} mm [mm]": float(w[-1]),
+        f"last width, h = {thickness:g} mm [mm]": float(w[-1]),
     }
 
 
@@ -79,7 +79,7 @@ def fitted(x, w, wide):
 
 
 def picture(results, path):
-    """Draw breadth over the way that is left, in logarithms."""
+    """Draw width over the distance that is left, in logarithms."""
     diagrams = []
     for thickness in BREADTH:
         curves = []
@@ -100,7 +100,7 @@ def picture(results, path):
                 curves.append(Curve(label, np.log10(w[here]), style, x=np.log10(left[here])))
         ends = np.array([-0.4, 1.4])
         curves.append(Curve("slope 8/11", 8.0 / 11.0 * ends, "other", x=ends))
-        names = "log10(way left / mm)", "", "log10(breadth / mm)", ""
+        names = "log10(distance left / mm)", "", "log10(width / mm)", ""
         diagrams.append(Diagram(ends, curves, *names, f"h = {thickness:g} mm", zero=False))
     draw_curves(path, diagrams, columns=2, size=(10.0, 4.6))
 
@@ -124,50 +124,50 @@ SHORT = {(0.14, "m"): (0.55, 0.70), (0.14, "w"): (0.0, 0.56)}
 PREDICTION = Prediction(
     title="Two tears that converge",
     source="""[Brau2014] derives w ~ x^(8/11) for two tears at the sides of a flap that is
-pulled, w their distance and x the way to where they meet; experiments are those of
-[Bayart2011]. Where they are so close that the fold between them is bent across as well, the
-exponent is 9/8.""",
-    sure="""the abstract says that theory and experiment agree closely; we have not seen the
-tables. The band, 0.70 to 0.78, is ours about 8/11 = 0.727. We say that the tears meet if their
-distance is below 0.3 mm where the last piece breaks.""",
-    known="""Both numbers, and results of this model with x counted to the end of the longer
-tear: 0.75 to 0.97, on quads of 0.5 mm; seven of the runs here were seen before the fit with a
-free x_0 was chosen.""",
-    model="""A flap 12 mm wide between two notches of 6 mm in a sheet clamped all around, 6 mm
-beside them; its end goes straight up at 2 m/s, free to move along. Modulus 1678 MPa, 2.9 N/mm
-torn over 0.3 mm, thickness 0.14 mm; and 0.07 mm with a flap of 8 mm. m and the place where x is
-0 are fitted over the decade from 10/12 to 1/12 of the flap's breadth. Runs differ by a
-millionth of the thickness.""",
+pulled. w is the distance between the tears, x the distance to the place where they meet. The
+experiments are those of [Bayart2011]. Where the tears are so close that the fold between them is
+also bent across, the exponent is 9/8.""",
+    sure="""According to the abstract, theory and experiment agree closely. The band about 8/11 =
+0.727 is ours. We say that the tears meet if their distance is below 0.3 mm where the last piece
+breaks.""",
+    model="""A sheet is clamped all around and has two notches of 6 mm. The flap between them is
+12 mm wide, and 6 mm of sheet lie beside each notch. The end of the flap moves straight up at 2
+m/s and is free to move along the flap. The modulus is 1678 MPa, the fracture energy 2.9 N/mm,
+the opening at break 0.3 mm and the thickness 0.14 mm. A second film has 0.07 mm and a flap of 8
+mm. The exponent m and the place where x is 0 are fitted where the strip has 10/12 to 1/12 of the
+width of the flap. Repeated runs differ by a millionth of the thickness.""",
     figures=tuple(
         figure
         for h in BREADTH
         for figure in (
             Figure(f"exponent m, h = {h:g} mm", "8/11", 0.70, 0.78, SHORT.get((h, "m"))),
-            Figure(f"last breadth, h = {h:g} mm [mm]", "0", -0.3, 0.3, SHORT.get((h, "w"))),
+            Figure(f"last width, h = {h:g} mm [mm]", "0", -0.3, 0.3, SHORT.get((h, "w"))),
         )
     ),
     runs=dict(_runs()),
     run=run,
     picture=picture,
-    said="""**Why m lies below 8/11.** The quads are coarse beside the fold. Its length is
-√(D/(G h)), 1.02 mm in the thicker film and 0.51 mm in the thinner one:
+    said="""**Why m is below 8/11.** The quads are coarse compared with the fold. Its length is
+√(D/(G h)), which is 1.02 mm in the thicker film and 0.51 mm in the thinner one:
 
 | quads in the length of the fold | 4.1 | 2.7 | 2.0 | 1.4 | 1.0 |
 |---|---:|---:|---:|---:|---:|
 | thickness, quads [mm] | 0.14, 0.25 | 0.14, 0.375 | 0.14, 0.5 | 0.07, 0.375 | 0.07, 0.5 |
 | m | 0.703 | 0.650 | 0.622 | 0.554 | 0.513 |
 
-m rises with the quads in the fold, in both films alike, and comes to the published band at four.
-That was seen after the runs, so it is no prediction. A law of half the length gives 0.738 on quads
-of 0.25 mm, half the speed 0.575 on 0.5 mm. The force on the tips of a fold at rest has the exponent
-0.709 on quads of 0.25 mm (`test_converging_tears.py`).
+m increases with the number of quads in the fold, alike in both films, and reaches the published
+band at four quads. We found this after the runs, so it is not a prediction. With half the
+opening at break m is 0.738 on quads of 0.25 mm. At half the speed it is 0.575 on quads of 0.5
+mm. The force on the tips of a static fold has the exponent 0.709 on quads of 0.25 mm
+(`test_converging_tears.py`).
 
-**Why it scatters.** Runs that differ by a millionth of the thickness keep within 0.1 mm of each
-other until the strip is 4 mm wide, and differ by half a millimetre at 1 mm. The last piece parts
-where one tear stops beside the other, which may have gone on by up to 2 mm: x counted from there
-instead of from the fitted place scatters m several times as much.
+**Scatter.** Runs that differ by a millionth of the thickness agree within 0.1 mm until the strip
+is 4 mm wide, and differ by 0.5 mm when it is 1 mm wide. The last piece breaks where one tear has
+stopped, while the other may have run up to 2 mm farther. If x is counted from there and not from
+the fitted place, m scatters several times as much.
 
-**Without inertia** (`quasi_static` of 0.004, one run on quads of 0.5 mm) m is 0.633 and the tears
-meet at 0.24 mm, both within the scatter of the runs with inertia ([slow tests](howto/slow.md)).""",
-    caption="Breadth of the strip over the way that is left, in logarithms",
+**Without inertia** (`quasi_static = 0.004`, one run on quads of 0.5 mm) m is 0.633 and the tears
+meet at 0.24 mm. Both lie within the scatter of the runs with inertia ([quasi-static
+runs](howto/slow.md)).""",
+    caption="Width of the strip over the distance that is left, in logarithms",
 )

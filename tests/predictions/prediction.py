@@ -1,13 +1,13 @@
-"""A prediction: what is published, our model of it, our figures with error bars, and the verdict.
+"""A prediction: what is published, our model of it, our values with error bars, and the verdict.
 
 Each case is a file beside this one with a ``PREDICTION``. The page (``run.py``) and the slow tests
 (``test_predictions.py``) read the same declaration.
 
 With the mean m of the runs on the finest mesh, edges q times those of the next, m' of the next,
-m_v of slower runs beside m, and s the standard deviation of n runs that differ by chance,
+m_v of slower runs beside m, and s the standard deviation of n repeated runs,
 
     value = m + (m_v - m),
-    mesh = q / (1 - q) |m - m'|,   speed = |m_v - m|,   chance = t s / sqrt(n)
+    mesh = q / (1 - q) |m - m'|,   speed = |m_v - m|,   scatter = t s / sqrt(n)
 
 as in docs/howto/converge.md, but for means: a single run is off by t s. The half-width is the root
 of the sum of their squares.
@@ -17,6 +17,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -69,9 +70,9 @@ class Prediction:
 
     Attributes
     ----------
-    title, source, sure, known, model : str
-        Of the page: what it is, who published it, how sure that is, which of our results were known
-        before the band was written down, and what our model takes from where.
+    title, source, sure, model : str
+        Of the page: what it is, who published it, how sure that is, and what our model takes from
+        where.
     figures : tuple of Figure
     runs : mapping from str to Run
     run : callable
@@ -85,7 +86,6 @@ class Prediction:
     title: str
     source: str
     sure: str
-    known: str
     model: str
     figures: tuple[Figure, ...]
     runs: Mapping[str, Run]
@@ -110,6 +110,14 @@ class Found:
     def half_width(self) -> float:
         """Of the error bar."""
         return math.hypot(*self.parts.values())
+
+    @property
+    def difference(self) -> float:
+        """Value less the published number; of several numbers, less the middle of the band."""
+        try:
+            return self.value - float(Fraction(self.figure.published.split()[0]))
+        except ValueError:
+            return self.value - 0.5 * (self.figure.low + self.figure.high)
 
     @property
     def hits(self) -> bool:
@@ -151,5 +159,5 @@ def found(case: Prediction, figure: Figure, results: Mapping[str, Mapping[str, A
     scatter = float(np.sqrt((off**2).sum() / free)) if free else math.nan
     if free:
         t = float(scipy.stats.t.ppf(0.975, free))
-        parts["chance"] = t * scatter / math.sqrt(len(finest))
+        parts["scatter"] = t * scatter / math.sqrt(len(finest))
     return Found(figure, value, parts, scatter, len(values), values)

@@ -26,13 +26,13 @@ def test_a_short_form_gives_what_the_page_says(name):
 def test_the_page_shows_what_is_declared(name):
     page = (DOCS / "predictions.md").read_text(encoding="utf-8")
     case = case_of(name)
-    for text in (case.title, case.source, case.known, case.model, case.said):
+    for text in (case.title, case.source, case.sure, case.model, case.said):
         assert text in page
     for one in case.figures:
         assert f"| {one.name} | {one.published} | {band(one)} |" in page
 
 
-def test_an_error_bar_holds_mesh_speed_and_chance():
+def test_an_error_bar_has_mesh_speed_and_scatter():
     def run(value):
         return {"f": value}
 
@@ -43,7 +43,7 @@ def test_an_error_bar_holds_mesh_speed_and_chance():
         "slower": Run({}, 1.0, 0.5),
     }
     figure = Figure("f", "4", 3.0, 5.0)
-    case = Prediction("", "", "", "", "", (figure,), runs, run, lambda results, path: None)
+    case = Prediction("", "", "", "", (figure,), runs, run, lambda results, path: None)
     results = {"a": run(3.0), "b": run(5.0), "finer": run(6.0), "slower": run(3.7)}
     one = found(case, figure, results)
     # f_q = 6 beside a mean of 4 on twice the edges; slower by 0.3.
@@ -52,6 +52,6 @@ def test_an_error_bar_holds_mesh_speed_and_chance():
     assert one.parts["speed"] == pytest.approx(0.3)
     assert one.scatter == pytest.approx(np.sqrt(2.0))
     # Student's t of one degree of freedom, 95 %.
-    assert one.parts["chance"] == pytest.approx(12.706 * np.sqrt(2.0), rel=1e-3)
+    assert one.parts["scatter"] == pytest.approx(12.706 * np.sqrt(2.0), rel=1e-3)
     assert not one.hits
     assert "reaches" in one.verdict

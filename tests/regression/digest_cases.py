@@ -10,6 +10,8 @@ import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
+import shellcut
+
 PAGE = Path(__file__).parents[2] / "docs" / "same-bits.md"
 
 _SHORT = {"membrane.length": "12 mm", "membrane.width": "6.4 mm", "travel": "4 mm"}
@@ -101,9 +103,10 @@ def digests_of(names):
 
 def versions():
     """Return what the digests depend on beside the inputs, as one text."""
-    names = ("shellcut", "numpy", "scipy", "numba", "llvmlite")
+    names = ("numpy", "scipy", "numba", "llvmlite")
     libraries = ", ".join(f"{name} {version(name)}" for name in names)
-    return f"{libraries}, {' '.join(platform.libc_ver())}, {platform.machine()}"
+    system = f"{' '.join(platform.libc_ver())}, {platform.machine()}"
+    return f"shellcut {shellcut.__version__}, {libraries}, {system}"
 
 
 def published():

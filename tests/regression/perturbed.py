@@ -1,11 +1,11 @@
-"""What hangs on chance in a run: ``python tests/regression/perturbed.py [MODEL ...]``.
+"""Run-to-run scatter: ``python tests/regression/perturbed.py [MODEL ...]``.
 
 Runs a model again and again, each time with all nodes of its film moved in its plane at random by
 up to 1e-9 mm. Nobody would call that another model, but round-off differs as on another processor,
-and once a node touches or a crack advances a step sooner, the runs part. The figures of all runs go
-to ``perturbed.json`` beside this file, and the table of their means, standard deviations and ranges
-to docs/limits.md. The bound of a regression test should lie four standard deviations beyond the
-mean or farther.
+and once a node touches or a crack advances a step sooner, the runs differ. The values of all runs
+are stored in ``perturbed.json`` beside this file, and the table of their means and standard
+deviations in docs/limits.md. The bound of a regression test should lie four standard deviations
+beyond the mean or farther.
 """
 
 import argparse
@@ -55,7 +55,7 @@ FIGURES = {
     "broken_ratio": "work of a broken cable over G A, largest difference from 1 [%]",
     "imbalance_rel": "imbalance, at most [%]",
     "kinetic_rel": "kinetic energy, at most [%]",
-    "unfelt_film_edge": "film edges in the tool, unfelt [mm]",
+    "unfelt_film_edge": "depth of borders in the tool without a force [mm]",
 }
 """How names of figures begin, and their rows in the table; of shares in per cent."""
 
@@ -66,7 +66,7 @@ HEADS = {
 }
 FIGURES_FILE = Path(__file__).with_suffix(".json")
 PAGE = Path(__file__).parents[2] / "docs" / "limits.md"
-HEAD = "| figure |"
+HEAD = "| value |"
 """How the table on the page begins."""
 
 
@@ -104,8 +104,7 @@ def entry(values):
     digits = 9
     if deviation > 0.0 and mean:
         digits = int(np.clip(2 + np.log10(abs(mean) / deviation), 3, 9))
-    low, high = (f"{value:.{digits}g}" for value in (min(values), max(values)))
-    return f"{mean:.{digits}g} ± {deviation:.2g}" + f" ({low} to {high})" * (low != high)
+    return f"{mean:.{digits}g} ± {deviation:.2g}"
 
 
 def table(found):

@@ -17,7 +17,7 @@ LONG = SETTINGS | {"membrane.length": 9}
 
 
 def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     run = tmp_path / "run"
     assert main(["run", "guillotine", *in_words(LONG), f"-o={run}"]) == 0
     assert main(["converge", "guillotine"]) == 2

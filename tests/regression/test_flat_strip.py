@@ -37,7 +37,7 @@ def force_at(z, number):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 1])
 def test_the_force_is_that_of_the_page(number):
-    _, rows = table("docs/theory/time.md", "| z = 0")
+    _, rows = table("docs/theory/time.md", "| $z$ = 0")
     for z, told in zip((0.0, 10.0), rows[number][1:], strict=True):
         found = force_at(z, number)
         assert shown_as(told, found), (z, found)

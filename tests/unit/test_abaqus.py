@@ -213,10 +213,10 @@ def test_nodes_of_no_quad_are_said(tmp_path, caplog):
         ("*NSET, NSET=x\n11\n", "node 11 must be defined"),
         ("*NSET, NSET=x\nnone\n", "there must be node set 'none'"),
         ("*NSET, NSET=x\nx\n", "must not contain itself"),
-        ("*NSET, NSET=x, GENERATE\n1, 10, 2\n", "by a step that divides the difference"),
+        ("*NSET, NSET=x, GENERATE\n1, 10, 2\n", "a step that divides their difference"),
         (
             "*NSET, NSET=x, GENERATE\n1, 1000000000000, 1\n",
-            "must make 50,000,000 ids in its sets at most, got 1,000,000,000,000",
+            "must have 50,000,000 ids in its sets at most, got 1,000,000,000,000",
         ),
         (
             "".join(f"*NSET, NSET=s{k}\ns{k + 1}\n" for k in range(60)),

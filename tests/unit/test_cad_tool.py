@@ -214,7 +214,7 @@ def test_from_a_model_file_and_the_command_line(written, tmp_path, caplog):
         'model = "guillotine"\n[membrane]\nlength = 6.0\nwidth = 4.0\nsize = 1.0\nnotch = 1.0\n'
         f'[motion]\ntravel = 1.5\n[tool]\nfile = "{blade}"\nchord_deviation = "5 um"\n'
     )
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     model, picture = str(tmp_path / "cut.toml"), tmp_path / "cap.png"
     assert main(["preview", model, "--set", "chord_deviation=2e-3", "-o", str(picture)]) == 0
     assert "from_model.step: 1 cutting edges found by angle, 6 mm in all" in caplog.text
@@ -290,7 +290,7 @@ class TestRefusals:
 
     def test_a_deviation_of_triangles(self, tmp_path):
         straight_blade().write(tmp_path / "a.stl")
-        with pytest.raises(FileError, match="chord_deviation is of STEP and IGES"):
+        with pytest.raises(FileError, match="chord_deviation is for STEP and IGES"):
             read_tool(tmp_path / "a.stl", unit="mm", chord_deviation=0.1)
 
     @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ DATA = Path(__file__).parent / "data"
 @pytest.mark.parametrize(
     ("flag", "length"),
     [
-        ("3,5HSMOOT", "got '3' and 'SMOOT': OpenCASCADE takes others for mm"),
+        ("3,5HSMOOT", "got '3' and 'SMOOT': OpenCASCADE reads others as mm"),
         ("2,2HMM", 1.0),
         ("6,1HM", 1e3),
         ("3,4HINCH", 25.4),
@@ -68,7 +68,7 @@ def test_a_stated_unit_is_in_the_note():
 
 def test_a_missing_gmsh_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(ImportError, match=r"needs Gmsh.* pip install 'shellcut\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"needs Gmsh.* pip install 'shellcut-fem\[mesh\]'"):
         read_tool(DATA / "two_teeth_inch.step")
 
 
@@ -131,5 +131,5 @@ def test_a_unit_is_what_defines_it_whatever_its_name():
     ],
 )
 def test_a_unit_that_the_kernel_passes_over_is_refused(units):
-    with pytest.raises(FileError, match=r"unit of length.* #2, must be a metre .* for mm"):
+    with pytest.raises(FileError, match=r"unit of length.* #2, must be a metre .* as mm"):
         cad_surface.stated_unit(Path("a.stp"), step(*units, used="#2"))

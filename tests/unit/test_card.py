@@ -77,7 +77,7 @@ def test_a_card_has_figures_with_units_and_a_picture(shown, rows, faces):
 
 
 def test_results_show_their_last_frame_and_what_of_them_holds(tmp_path):
-    pytest.importorskip("PIL", reason="needs shellcut[plot]")
+    pytest.importorskip("PIL", reason="needs shellcut-fem[plot]")
     folder = write_run(tmp_path / "run", "a & b", [0.0, 1.0], [0.0, 5.0])
     results = sc.read(folder)
     results.summary = {

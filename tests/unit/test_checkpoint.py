@@ -486,7 +486,7 @@ def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
     assert_same_run(tmp_path, uninterrupted)
 
 
-@pytest.mark.skipif(not matplotlib, reason="needs shellcut[plot]")
+@pytest.mark.skipif(not matplotlib, reason="needs shellcut-fem[plot]")
 def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", matplotlib)
     records = {"n_row": 10, "n_frame": 2, "n_snapshot": 2, "progress": False}

@@ -476,7 +476,7 @@ def test_keys_are_found_by_words(capsys):
     ("settings", "said", "drawn"),
     [
         (["tip_clearance=-1"], "the tool must start outside the sheet", "cut    all 4"),  # built
-        (["path=imprint"], "take path = 'free', or leave it out", "film   649 nodes"),  # read
+        (["path=imprint"], "set path = 'free', or leave it out", "film   649 nodes"),  # read
         (["teeth=0"], "[tool].teeth must be 1 or more", "film   649 nodes"),  # read
         (["tool.teehs=3"], "did you mean teeth?", "film   649 nodes"),
         (["thickness=74"], "a shell should be thin", "cut    all 4"),  # checked

@@ -171,7 +171,7 @@ def german(tmp_path):
 
 
 def test_the_command_writes_table_json_and_picture(run, german, tmp_path, capsys):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     names = ["--x", "angle=Winkel", "--y", "torque=Drehmoment"]
     assert main(["compare", str(run), str(german), *names]) == 0
     said = capsys.readouterr().out

@@ -55,7 +55,7 @@ def test_what_exists_through_quads_only_asks_for_them():
     assert Fracture(**option).needed_path == Fracture(**option).decided().path == "free"
     with pytest.raises(ValueError, match="through the quads only: take path='free'"):
         Fracture(path="edges", **option)
-    with pytest.raises(ValueError, match=r"criterion must be left out.* or .*, of cracks thr"):
+    with pytest.raises(ValueError, match=r"leave out criterion.*sides only, or .*for cracks thr"):
         Fracture(criterion="stress", **option)
 
 

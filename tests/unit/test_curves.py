@@ -10,7 +10,7 @@ from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resis
 from shellcut.view import Curve, Diagram, curves, draw_crack_map, draw_curves
 from shellcut.view.crack_map import crack_history, tooth_paths
 
-pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
 
 ANGLE = np.linspace(0.0, 95.0, 60)
 TORQUE = 143.6 * np.clip(ANGLE / 15.0, 0.0, 1.0)
@@ -153,7 +153,7 @@ def test_a_curved_film_has_no_plane_to_go_through(frames):
 
 
 def test_the_picture_has_the_colours_of_early_and_late(tmp_path, frames):
-    image = pytest.importorskip("matplotlib.image", reason="needs shellcut[plot]")
+    image = pytest.importorskip("matplotlib.image", reason="needs shellcut-fem[plot]")
     colormaps = pytest.importorskip("matplotlib").colormaps
     splits = {"blade": frames[-1].reference[frames[-1].crack_edges[::3, 0, 0]]}
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import shellcut
 from browser import CHROMIUM
 from page_tables import tables
 from shellcut.model_file.key_index import QUESTIONS
@@ -106,8 +107,10 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
 
 def test_pages_of_theory_are_short():
     pages = sorted((ROOT / "docs" / "theory").glob("*.md"))
-    rows = {page.name: page.read_text(encoding="utf-8").splitlines() for page in pages}
-    assert {name: len(lines) for name, lines in rows.items() if len(lines) > 200} == {}
+    texts = {page.name: page.read_text(encoding="utf-8") for page in pages}
+    formulas = re.compile(r"(?ms)^ *```math.*?^ *```$")  # do not count
+    rows = {name: formulas.sub("", text).splitlines() for name, text in texts.items()}
+    assert {name: len(lines) for name, lines in rows.items() if len(lines) > 240} == {}
     # A line is one of 120 characters; rows of tables, and single links, may be longer.
     free = re.compile(r"\|.*|\W*\[\S+\W*")
     wide = {
@@ -123,6 +126,22 @@ def test_pages_are_those_of_their_sources(monkeypatch):
     # else: python docs/materials_page.py
     assert module.PAGE.read_text(encoding="utf-8") == module.page()
     assert module.PICTURE.exists()
+    module = importlib.import_module("references_page")
+    # else: python docs/references_page.py
+    assert module.PAGE.read_text(encoding="utf-8") == module.page()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_formulas_are_shown_by_github_and_the_site(page):
+    """GitHub reads Markdown within `$`: escapes lose the backslash, `*` and `}_` are emphasis."""
+    text = re.sub(r"(?ms)^ *(```|~~~).*?^ *\1|`[^`\n]+`", "", page.read_text(encoding="utf-8"))
+    assert "$$" not in text, "a formula of its own is a block ```math"
+    found = re.findall(r"\$([^$\n]+)\$", text)
+    odd = re.compile(r"\\[,;:!{}\\|#%&_]|[*~<>|]|[})\]]_|^\s|\s$")
+    assert [formula for formula in found if odd.search(formula)] == []
+    beside = re.sub(r"\$[^$\n]+\$", "\0", text)
+    assert "$" not in beside, "a formula is on one line"
+    assert re.findall(r"\w\0.*|.*\0[\w(]", beside) == []
 
 
 def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
@@ -216,10 +235,28 @@ def test_the_site_has_every_page_and_the_start_page_leads_to_it():
     listed = {name for names in pages.values() for name in names}
     stored = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
     stored = {path.with_suffix("").as_posix() for path in stored if "gallery" not in path.parts}
-    assert stored - {"index"} == listed - {"api", "gallery/index"}
+    chapters = {name for name in stored if name.startswith("verification/")}
+    cases = (
+        (ROOT / "docs" / "verification.md").read_text("utf-8").partition("## Published cases")[2]
+    )
+    assert chapters == set(re.findall(r"\]\((verification/[\w-]+)\.md\)", cases))
+    stored -= chapters
+    assert stored - {"index"} == listed - {"api/index", "gallery/index"}
     start = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     linked = {target.removesuffix(".md") for target in re.findall(r"\]\(([\w/-]+\.md)\)", start)}
     assert linked == stored - {"index"}
+
+
+def test_every_public_name_is_on_one_page_of_the_api():
+    pages = {path.stem: path.read_text("utf-8") for path in (ROOT / "docs/api").glob("*.rst")}
+    index = pages.pop("index")
+    shown = re.findall(r"^\.\. auto\w+:: (\S+)$", "\n".join(pages.values()), re.MULTILINE)
+    assert {f"shellcut.{name}" for name in shellcut.__all__} - set(shown) == set()
+    assert [name for name, n in Counter(shown).items() if n > 1] == []
+    listed = re.findall(r"^   ([\w.]+)$", index, re.MULTILINE)
+    assert set(pages) <= set(listed)
+    missing = [one for one in shown if not re.search(rf"^   {one[9:]}\b", index, re.MULTILINE)]
+    assert missing == []
 
 
 def is_kernel(node):
@@ -304,20 +341,20 @@ def test_the_short_form_for_other_versions_names_tests_that_there_are():
     assert [file for file in files if not (ROOT / file).is_file()] == []
 
 
-def test_rooms_picture_table_and_folders_are_the_contract():
+def test_package_picture_table_and_folders_are_the_contract():
     sys.path.insert(0, str(ROOT / "docs"))
-    import rooms_picture
+    import packages_picture
 
-    rows = rooms_picture.rows()
+    rows = packages_picture.rows()
     assert len(rows) <= 10
-    assert rooms_picture.PICTURE.read_text(encoding="utf-8") == rooms_picture.picture()
-    assert rooms_picture.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-    rooms = [room for row in rows for room in row]
+    assert packages_picture.PICTURE.read_text(encoding="utf-8") == packages_picture.picture()
+    assert packages_picture.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    packages = [one for row in rows for one in row]
     package = ROOT / "src" / "shellcut"
     folders = {p.parent.name for p in package.glob("*/__init__.py")}
     files = {p.stem for p in package.glob("*.py")} - {"__init__", "__main__"}
     doors = {"cut_quality", "history", "meshing", "tool_shapes"}
-    assert sorted(rooms) == sorted(folders | (files - doors))
+    assert sorted(packages) == sorted(folders | (files - doors))
     for folder in folders:
         doc = ast.get_docstring(ast.parse((package / folder / "__init__.py").read_text("utf-8")))
         assert "import" in doc.lower(), f"{folder} must say what it may import"

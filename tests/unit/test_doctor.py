@@ -29,7 +29,7 @@ def report(capsys):
 def test_what_is_there_and_what_is_not(report, monkeypatch):
     code, said = report()
     assert code == 0
-    for what in ("python", "shellcut", "numba", "cores", "compiled code"):
+    for what in ("python", "shellcut-fem", "numba", "cores", "compiled code"):
         assert re.search(rf"^{what} +\S", said, re.M)
 
     def version(package):
@@ -40,7 +40,7 @@ def test_what_is_there_and_what_is_not(report, monkeypatch):
     monkeypatch.setattr(doctor, "version", version)
     code, said = report()
     assert code == 0
-    assert "matplotlib      not installed: no pictures (pip install shellcut[plot])" in said
+    assert "matplotlib      not installed: no pictures (pip install 'shellcut-fem[plot]')" in said
     assert "gmsh            not installed: no meshes of outlines" in said
 
 

@@ -13,8 +13,8 @@ from shellcut import mesh_from_drawing, read_drawing, read_model
 from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
 
-ezdxf = pytest.importorskip("ezdxf", reason="needs shellcut[outline]")
-pytest.importorskip("shapely", reason="needs shellcut[outline]")
+ezdxf = pytest.importorskip("ezdxf", reason="needs shellcut-fem[outline]")
+pytest.importorskip("shapely", reason="needs shellcut-fem[outline]")
 
 CUT = {"layer": "cut"}
 # A plate of 20 x 12 mm with a round end, a round and an elliptic hole.
@@ -161,7 +161,7 @@ class TestLoops:
         [
             ([box(50, 5, 20, 10)], r"largest, of 1600 .* 200 .* \(60, 10\) lies outside"),
             ([box(35, 5, 20, 10)], r"1600 .* crosses the loop of 200 .* at \(40, 5\)"),
-            ([box(0, 5, 9, 9)], r"touches \(or comes closer .* 81 .* at \(0, 5\)"),
+            ([box(0, 5, 9, 9)], r"touches \(or lies within .* 81 .* at \(0, 5\)"),
             ([box(5, 5, 9, 9), box(14, 14, 9, 9)], r"touches .* at \(14, 14\)"),
             ([box(5, 5, 20, 20), box(8, 8, 4, 4)], "of 16 mm² .* lies in a hole"),
             ([box(40, 40, -40, -40)], "1600 .* is drawn twice; choose the layers"),
@@ -244,7 +244,7 @@ class TestRefusals:
     def test_too_many_points(self, tmp_path, monkeypatch):
         path = saved(tmp_path / "plate.dxf", plate())
         monkeypatch.setitem(LIMITS, "points of curves", 20)
-        with pytest.raises(FileError, match=r"make 20 points of curves at most, got .* enlarge"):
+        with pytest.raises(FileError, match=r"have 20 points of curves at most, got .* enlarge"):
             read_drawing(path, layers=["cut"])
 
     @pytest.mark.parametrize("package", ["ezdxf", "shapely"])

@@ -92,7 +92,7 @@ def test_edges_of_a_file_are_rounded_and_no_radius_is_sharp(tmp_path):
                 ),
                 0.1,
             ),
-            "of a cutting edge, and this tool has none",
+            "needs a cutting edge, and this tool has none",
         ),
     ],
 )

@@ -30,7 +30,7 @@ ENERGY = Path(__file__).parents[2] / "docs" / "theory" / "energy.md"
 
 def test_the_page_has_every_entry_in_its_part():
     page = ENERGY.read_text()
-    account_of = page.partition("## The account")[2]
+    account_of = page.partition("## Where the work went")[2]
     rows = [set(re.findall(r"`(\w+)`", row)) for row in re.findall(r"^\|.*\|$", account_of, re.M)]
     assert sorted(name for row in rows for name in row) == sorted(NAMES)
     for part in (*PUT_IN, *TAKEN_UP):

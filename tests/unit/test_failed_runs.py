@@ -223,7 +223,7 @@ Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0,
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path, monkeypatch):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     monkeypatch.setattr(shellcut.recording.recorder, "can_draw", lambda: True)
     whole, part = tmp_path / "whole", tmp_path / "part"
     Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)

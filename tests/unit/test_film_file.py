@@ -169,7 +169,7 @@ MAKERS = {
     ),
     "roof": (lambda: cylinder(1.0, 2.0, n_around=10**6, n_along=75), "lower n_around or n_along"),
     "outline": (lambda: mesh_from_outline(SHEET, size=1e-3), "about 60,000,000, .* enlarge size"),
-    "long outline": (lambda: mesh_from_outline(LONG, size=1.0), "50,000 edges of a size around at"),
+    "long outline": (lambda: mesh_from_outline(LONG, size=1.0), "50,000 quad sides around them at"),
 }
 
 

@@ -324,8 +324,8 @@ class Wrong(Plain):
             "column 0 as load_work: it must be one of the 0 co",
         ),
         ({"booked": [Booking("load_work", -2)]}, "column -2 as load_work"),
-        ({"name": "last"}, "must have names of their own, and none of added, last; got "),
-        ({"name": "joints"}, "must have names of their own"),
+        ({"name": "last"}, "must have different names, and none of added, last; got "),
+        ({"name": "joints"}, "must have different names"),
     ],
 )
 def test_what_a_term_cannot_book_is_refused_before_the_run(given, said):

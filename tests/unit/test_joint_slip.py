@@ -208,7 +208,7 @@ def test_neighbours_along_the_edges():
     [
         ({"joint": "slip"}, "needs a joint_friction that is positive, got 0.0"),
         ({"joint": "slip", "joint_friction": np.inf}, "must be 0 or more and finite, got inf"),
-        ({"joint": "free", "joint_friction": 0.1}, "joint_friction is of joint = 'slip'"),
+        ({"joint": "free", "joint_friction": 0.1}, "joint_friction belongs to joint = 'slip'"),
         ({"joint_friction": 0.1}, "got 0.1 with joint = 'adhesion'"),
     ],
 )
@@ -227,5 +227,5 @@ def test_an_edge_that_leaves_the_film_is_refused():
     with pytest.raises(ValueError, match="slice_ratio must be finite, got nan"):
         sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=np.nan)
     blunt = sc.Tool.from_triangles(BLADE.vertices, BLADE.triangles, edges=np.zeros((0, 2), int))
-    with pytest.raises(ValueError, match="slice_ratio is of a cutting edge"):
+    with pytest.raises(ValueError, match="slice_ratio needs a cutting edge"):
         sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.0, tool=blunt)

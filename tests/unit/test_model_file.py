@@ -94,7 +94,7 @@ safety = true
         "x.toml:17: [material].density must be a number in t/mm^3, got '1 g/cm2', which is in "
         "N s^2/mm^3",
         "x.toml:18: unknown key [material].pitch; there is [motion].pitch",
-        'x.toml:19: [[supports]] belongs to model = "free"; the opening holds its film by itself',
+        'x.toml:19: [[supports]] belongs to model = "free"; the opening model has its own supports',
         "x.toml:22: [loads.0].kind 'wind' is unknown; there are gravity, pressure, force, "
         "moment, traction",
         "x.toml:23: [loads.1].kind must be given: one of gravity, pressure, force, moment, "
@@ -342,7 +342,7 @@ def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeyp
         ),
         (
             {"loads.value": 3},
-            "loads are several tables: name one by its place from 0 on, loads.0.value",
+            "loads has several tables: choose one by its number from 0 on, loads.0.value",
         ),
     ],
 )
@@ -435,11 +435,11 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
     ("old", "new", "said"),
     [
         ('["bottom", "top"]', '["bottom", "tpo"]', "x.toml:6: [membrane]: "),
-        ("notch = 1.0", "notch = 0.1", "notch of 0.1 mm must be at least one edge"),
+        ("notch = 1.0", "notch = 0.1", "notch of 0.1 mm must be at least one quad side"),
         (
             "[motion]",
             '[fracture]\npath = "imprint"\n[motion]',
-            "got 'imprint'; cracks run through the quads of any mesh: take path = 'free', or leave",
+            "got 'imprint'; cracks run through the quads of any mesh: set path = 'free', or leave",
         ),
         ('model = "', 'precision = "single"\nmodel = "', "precision; leave it out: all is"),
         ("[motion]", "[output]\npvd = true\n[motion]", "[output].pvd; leave it out: ParaView"),
@@ -447,7 +447,7 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
         (
             "shift = [-0.05, 0.0, 0.0]",
             'shift = [-0.05, 0.2, 0.0]\n[fracture]\npath = "edges"',
-            "a notch along edges needs a row of them under the whole path, got none",
+            "a notch along quad sides needs a row of them under the whole path, got none",
         ),
         ("notch = 1.0", "imprint = false", '[fracture] path = "free" cuts through the quads'),
         ('"0.5 ms"', "-1.0", "x.toml:17: [motion].duration must be positive, got -1.0 s"),
@@ -542,7 +542,7 @@ def test_an_override_says_which_keys_of_the_file_give_way(write, caplog):
     path = write('model = "opening"\n[membrane]\nfile = "gone.msh"\nunit = "mm"\nclamp = "rim"')
     assert read_model(path, {"mesh": "quick"}).sections["membrane"].mesh == "quick"
     (said,) = caplog.messages
-    assert "set mesh=quick: takes the place of file, unit, clamp in [membrane] (" in said
+    assert "set mesh=quick: replaces file, unit, clamp in [membrane] (" in said
     assert "x.toml:3)" in said
     caplog.clear()
     read_model("free", {"membrane.mesh": "quick"})  # of the package: no file of the user's

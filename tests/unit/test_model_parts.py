@@ -27,7 +27,7 @@ def test_they_are_those_of_the_case(name, free):
     # A notch is cut last, along a path that was in the mesh: it appends nodes.
     assert np.array_equal(parts.mesh.nodes, sim.mesh.nodes[: parts.mesh.n_node])
     held = np.flatnonzero(sim.state.node.supported[: sim.mesh.n_node])
-    assert parts.held.tolist() == held.tolist()
+    assert parts.supported.tolist() == held.tolist()
     if name == "trouser":
         assert (parts.tool, parts.motion, parts.duration) == (None, None, case.duration)
         return
@@ -74,7 +74,7 @@ def test_what_is_wrong_is_left_out(free, old, new, there):
     made = {name for name in ("mesh", "tool", "motion") if getattr(parts, name) is not None}
     assert made == there
     if "botom" in new:  # the other set is held still
-        assert parts.held.tolist() == sorted(parts.mesh.node_set("top").tolist())
+        assert parts.supported.tolist() == sorted(parts.mesh.node_set("top").tolist())
 
 
 def test_a_file_without_a_model_has_no_parts(tmp_path):

@@ -228,7 +228,7 @@ def test_runs_without_a_result_are_told_how_to_go_on(tmp_path, capsys):
     assert main(["report", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert "none of study.toml, fit.json, optimum.json" in said
-    assert "the same call goes on" in said
+    assert "call it again to continue" in said
 
 
 @pytest.mark.parametrize("film", [{"mesh": "M2"}, {"membrane.radius": 10.2, "n_side": 1}])

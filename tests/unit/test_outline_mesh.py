@@ -65,7 +65,7 @@ class TestWithGmsh:
     [
         ([[0, 0], [1, 1], [1, 0], [0, 1]], [], 0.1, "outline crosses itself at"),
         ([[0, 0], [1, 0]], [], 0.1, "outline must be three points or more"),
-        ([[0, 0], [0, 0], [1, 0]], [], 0.1, "different vertices, 0 is"),
+        ([[0, 0], [0, 0], [1, 0]], [], 0.1, "different vertices, vertex 0 is"),
         ([[0, 0], [1, np.nan], [1, 0]], [], 0.1, "outline must be finite"),
         (5.0 * CIRCLE, [CIRCLE + 20.0], 0.5, "hole_1 lies outside"),
         (5.0 * CIRCLE, [CIRCLE + np.array([4.5, 0.0])], 0.5, "outline crosses hole_1"),
@@ -80,7 +80,7 @@ def test_refusals(outline, holes, size, words):
 
 def test_a_missing_gmsh_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(ImportError, match=r"pip install 'shellcut\[mesh\]'"):
+    with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[mesh\]'"):
         mesh_from_outline(L_SHAPE, size=1.0)
 
 

@@ -245,6 +245,7 @@ PAGES = {
         left="film/material.toml film/tensile.png md.png",
     ),
     "docs/howto/trust.md": Page(said="stays=True"),
+    "docs/index.md": Page(said=r"largest torque 1\d\d N.mm\ncrack", left="out/report.html"),
     "docs/install.md": Page(left=".venv"),
     "docs/materials.md": Page(left="out/summary.json"),
     "docs/performance.md": Page((sources,), left="results.json results/performance.md"),

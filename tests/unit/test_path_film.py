@@ -126,7 +126,7 @@ def test_a_small_hole_is_round_in_a_coarse_part_of_the_film(gmsh):
         ({"near": [0, 0], "size_near": 0.1}, r"near must be points of shape \(n, 2\), got"),
         ({"near": [[0, np.inf]], "size_near": 0.1}, "near must be finite"),
         ({"near": [[0, 0]], "size_near": 0.0}, "size_near must be positive, got 0.0 mm"),
-        ({"near": [[0, 0]], "size_near": 1e-6}, "outline and holes must be 50,000 edges"),
+        ({"near": [[0, 0]], "size_near": 1e-6}, "outline and holes must have 50,000 quad sides"),
     ],
 )
 def test_fields_that_cannot_be_are_refused(given, words):
@@ -211,17 +211,17 @@ class TestModelFile:
     @pytest.mark.parametrize(
         ("given", "words"),
         [
-            ({"membrane.size_at_path": 0.4}, "size_at_path is of a disc meshed by Gmsh, got it"),
+            ({"membrane.size_at_path": 0.4}, "size_at_path is for a disc meshed by Gmsh, but"),
             ({"membrane.radius": 9, "membrane.n_layer": 4}, "n_layer needs n_side; without both"),
             (
                 {"membrane.radius": 9, "membrane.n_side": 9, "membrane.size": 1},
-                "size is of a disc meshed by Gmsh, got it with n_side",
+                "size is for a disc meshed by Gmsh, but n_side",
             ),
             ({"membrane.radius": 5}, "no cutting edge passes through the film during the motion"),
             (
                 {"membrane.file": __file__, "membrane.size_at_path": 0.4},
                 r"\[membrane\].size_at_path is for films that Gmsh meshes from an outline; a film "
-                "from a file is as fine as it is: leave it out, or set refine",
+                "from a file keeps its mesh: leave it out, or set refine",
             ),
         ],
     )

@@ -73,7 +73,7 @@ def test_a_key_of_one_table_of_several_has_one_spelling(tmp_path):
     assert first == second
     assert first.sections["material"].made().layers[0].thickness == 0.02
     first.write(tmp_path / "used.toml")
-    assert "# material.layers.0 in --set" in (tmp_path / "used.toml").read_text()
+    assert "# called material.layers.0 in --set" in (tmp_path / "used.toml").read_text()
     assert read_model(tmp_path / "used.toml") == first
     assert spelled("layers[0].hardening.gain") == "material.layers.0.hardening.gain"
     assert unit_of_key("material.layers.0.thickness") == "mm"

@@ -102,7 +102,7 @@ def test_refusals():
     ("load", "displacement", "cause"),
     [
         (Pressure(1e6), None, "the loads are far too large for the film"),
-        (Pressure(0.01), 1e6 * MESH.nodes, "the displacement it was given strains the film"),
+        (Pressure(0.01), 1e6 * MESH.nodes, "the prescribed displacement strains the film"),
     ],
 )
 def test_what_flies_apart_is_blamed_for_it_and_put_back(load, displacement, cause):

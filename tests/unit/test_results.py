@@ -197,7 +197,7 @@ def test_what_is_not_there_is_said(tmp_path):
 
 
 def test_curves_are_drawn_from_what_was_read(run, tmp_path):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     folder, *_ = run
     results = shellcut.read(folder)
     assert results.plot_torque() == folder / "force.png"

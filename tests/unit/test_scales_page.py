@@ -28,7 +28,7 @@ SIDES = np.linalg.norm(np.diff(FILM.nodes[FILM.quads[:, [0, 1, 2, 3, 0]]], axis=
     ("begins", "follows", "with_the_paper"),
     [
         (
-            "depth behind the edge",
+            "depth behind the cutting edge",
             [cutting_edge.CUT_DEPTH],
             [cutting_edge.CUT_DEPTH * UNDER_THE_PATH],
         ),
@@ -43,7 +43,7 @@ SIDES = np.linalg.norm(np.diff(FILM.nodes[FILM.quads[:, [0, 1, 2, 3, 0]]], axis=
             [cohesive_law._SHORT_BRANCH * LAW.onset],
         ),
         (
-            "fading of the equilibrium start",
+            "opening over which the force of the equilibrium start fades",
             [1 / cohesive_law._START_OPENING],
             [cohesive_law._START_OPENING * LAW.opening_u],
         ),

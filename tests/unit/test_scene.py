@@ -20,8 +20,8 @@ from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
 from shellcut.view.fields import at_corners, field_limits, fields_of
 from shellcut.view.snapshot import close_camera, tooth_ball, whole_camera
 
-pillow = pytest.importorskip("PIL.Image", reason="needs shellcut[plot]")
-pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+pillow = pytest.importorskip("PIL.Image", reason="needs shellcut-fem[plot]")
+pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
 
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
 SIZE = (480, 320)
@@ -212,7 +212,7 @@ def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True
     )
-    assert "pip install shellcut[plot]" in done.stdout
+    assert "pip install 'shellcut-fem[plot]'" in done.stdout
 
 
 @pytest.mark.parametrize("angle", [0.0, 45.0, 80.0])
@@ -392,7 +392,7 @@ def test_a_gif_and_a_webp_have_all_frames(tmp_path, name):
 
 
 def test_an_mp4_has_all_frames(tmp_path):
-    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="needs shellcut-fem[movie]")
     draw_movie(tmp_path / "cut.mp4", FRAMES, size=SIZE)
     ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
     told = subprocess.run([ffmpeg, "-i", tmp_path / "cut.mp4"], capture_output=True, text=True)
@@ -475,9 +475,9 @@ def test_what_a_movie_needs_is_told(tmp_path, monkeypatch):
         assert said in str(refused.value)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr("shutil.which", lambda name: None)
-    with pytest.raises(ImportError, match=r"pip install shellcut\[movie\]"):
+    with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[movie\]'"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
-    pytest.importorskip("imageio_ffmpeg", reason="needs shellcut[movie]")
+    pytest.importorskip("imageio_ffmpeg", reason="needs shellcut-fem[movie]")
     with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)
     assert list(tmp_path.iterdir()) == []

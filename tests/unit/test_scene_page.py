@@ -245,7 +245,7 @@ def shows(scene, part, text):
 
 def canvas(scene):
     """Return the drawn picture in 0..1, without the text at its top."""
-    pillow = pytest.importorskip("PIL.Image", reason="needs shellcut[plot]")
+    pillow = pytest.importorskip("PIL.Image", reason="needs shellcut-fem[plot]")
     scene.page.wait_for_timeout(100)  # it is drawn with the next picture of the screen
     drawn = pillow.open(io.BytesIO(scene.page.locator("canvas").screenshot()))
     return np.asarray(drawn.convert("RGB"))[50:] / 255.0

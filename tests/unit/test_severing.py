@@ -83,7 +83,7 @@ def test_the_process_zone_of_a_sharp_edge_is_checked():
 
 
 def test_a_razor_has_no_radius():
-    with pytest.raises(ValueError, match="an edge with a radius needs severing_pressure"):
+    with pytest.raises(ValueError, match="edge with a radius needs severing_pressure"):
         sharp_cut(replace(SHORT, cutting_energy=1.0))
     assert sharp_cut(replace(SHORT, cutting_energy=1.0), 0.0).cables.at_edge.opening_u < 0.1
 

@@ -83,7 +83,7 @@ READ = {
         "material.layers.0.thickness",
     ),
     "place counted from the end": (LAMINATE, {"layers[-1].thickness": 1}, "from 0 on", "layers.0"),
-    "no layers": ("opening", {"layers.0.thickness": 1}, "has no place 0", "write one there"),
+    "no layers": ("opening", {"layers.0.thickness": 1}, "has no table 0", "write it in the file"),
     "load that is not there": (LAMINATE, {"loads[1].value": 2}, "loads.1.value", "the file has 1,"),
     "unit of a layer": (
         *(LAMINATE, {"layers[0].thickness": "3 kg"}),
@@ -232,5 +232,5 @@ def test_resume_says_why_it_sets_no_key(tmp_path, capsys):
     Path(tmp_path / "used.toml").write_text("")
     assert main(["resume", str(tmp_path), "--set", "mesh=M1"]) == 2
     said = capsys.readouterr().err
-    assert "resume goes on with the model as the run began" in said
+    assert "resume continues with the model of the run's start" in said
     assert "used.toml --set mesh=M1 -o OTHER" in said

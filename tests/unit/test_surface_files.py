@@ -78,8 +78,8 @@ class TestStl:
     @pytest.mark.parametrize(
         ("content", "words"),
         [
-            (binary_stl()[:-1], "12 declared and room for 11.98; is it cut short"),
-            (binary_stl() + b"x" * 50, "12 declared and room for 13"),
+            (binary_stl()[:-1], "12 declared and data for 11.98; is it cut short"),
+            (binary_stl() + b"x" * 50, "12 declared and data for 13"),
             (b"\0" * 84, "empty, or has only zero bytes"),
             (b"x" * 80 + bytes(4) + b"x", "0 declared"),
             (text_stl()[:-20].encode(), "cut short|must be followed"),

@@ -39,7 +39,7 @@ def test_very_thin_films_are_solved_through_their_strains():
 def test_what_is_still_missing_is_solved_for_again():
     # Where factors are no guide GMRES takes for solved what is not: on 64 x 64 quads the first
     # answer of R/h = 1e7 misses too much to be let through, 1e-8 at an 1e18 of condition.
-    (_, *slenderness), ((_, *deflections),) = table("docs/theory/statics.md", "R/h | 1e4")
+    (_, *slenderness), ((_, *deflections),) = table("docs/theory/statics.md", "$R/h$ | 1e4")
     assert "1e7" in slenderness
     for ratio, of_the_page in zip(map(float, slenderness), deflections, strict=True):
         model, on_x = hemisphere(ratio, n=64)

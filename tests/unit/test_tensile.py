@@ -132,14 +132,14 @@ def test_preload_few_points_and_what_bends():
     assert "bends in the elastic range: 7e+04 MPa in its lower half, 500 MPa" in str(test)
     strain = np.linspace(0.0, 0.0035, 50)
     test = evaluate_tensile(strain, 6e4 * strain)
-    assert "parts before a plastic strain of 0.2 %: no yield" in str(test)
+    assert "tears before a plastic strain of 0.2 %: no yield" in str(test)
     assert "hardening" not in test.section()
 
 
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"strain": [0.0, 1.0]}, "of one length, got .2,. and .239,."),
+        ({"strain": [0.0, 1.0]}, "equally long, got .2,. and .239,."),
         ({"gauge_length": -1.0, "offset": 0.0}, "gauge_length must be above 0, .*; offset must"),
         ({"stress": -bilinear()[1]}, "must rise above 0"),
         ({"strain": bilinear()[0][::-1]}, "strains must not fall, .* in row 2"),
@@ -159,7 +159,7 @@ def test_refusals(change, words):
 
 
 def test_the_command_writes_a_section_and_a_picture(tmp_path, capsys):
-    pytest.importorskip("matplotlib", reason="needs shellcut[plot]")
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
     path = write(tmp_path / "md.csv", *bilinear())
     out = tmp_path / "out"
     columns = ["--columns", "strain", "3", "--units", "%", "MPa"]

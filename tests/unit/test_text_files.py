@@ -82,12 +82,12 @@ def box(x0, y0, x1, y1):
 
 
 def drawing_of(path):
-    pytest.importorskip("ezdxf", reason="needs shellcut[outline]")
+    pytest.importorskip("ezdxf", reason="needs shellcut-fem[outline]")
     return [read_drawing(path, unit="mm").outline], []
 
 
 def _cad(path):
-    pytest.importorskip("gmsh", reason="needs shellcut[mesh]")
+    pytest.importorskip("gmsh", reason="needs shellcut-fem[mesh]")
     return _of_tool(read_tool(path, sharp_angle_deg=90.0))
 
 
@@ -204,7 +204,7 @@ def test_set_names_of_decks_in_the_western_code_page(tmp_path):
 class TestDxf:
     @pytest.fixture(autouse=True)
     def _ezdxf(self):
-        pytest.importorskip("ezdxf", reason="needs shellcut[outline]")
+        pytest.importorskip("ezdxf", reason="needs shellcut-fem[outline]")
 
     def saved(self, tmp_path, text):
         path = tmp_path / "plate.dxf"

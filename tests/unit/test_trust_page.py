@@ -14,9 +14,9 @@ HALF_THICKNESS = tooth_ring().half_thickness()
 @pytest.mark.parametrize(
     ("begins", "limits"),
     [
-        ("thickness at most", [plausible.SLENDER, plausible.THINNEST]),
+        ("The thickness is", [plausible.SLENDER, plausible.THINNEST]),
         (
-            "modulus 1e-3",
+            "The modulus is",
             [
                 *(plausible.SOFTEST, plausible.STIFFEST),
                 *(plausible.LIGHTEST, plausible.HEAVIEST),
@@ -24,19 +24,19 @@ HALF_THICKNESS = tooth_ring().half_thickness()
             ],
         ),
         (
-            "strength over modulus",
+            "The strength is",
             [plausible.SMALLEST_STRAIN, plausible.LARGEST_STRAIN, plausible.RUPTURED],
         ),
         (
-            "first yield stress",
+            "The first yield stress is",
             [
                 *(plausible.LARGEST_YIELD_STRAIN, plausible.RUPTURED),
                 *(plausible.SMALLEST_R, plausible.LARGEST_R),
             ],
         ),
-        ("the cutting edge slower", [steps.OF_WAVE]),
-        ('with `path = "edges"`', [path.OFF_ROW]),
-        ("quads under the path with", [path.BENDS]),
+        ("The cutting edge is slower", [steps.OF_WAVE]),
+        ('With `path = "edges"`', [path.OFF_ROW]),
+        ("Quads under the path have", [path.BENDS]),
     ],
 )
 def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
@@ -53,13 +53,13 @@ def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
         ("`contact_Nmm`", [verdict.CONTACT_LIMIT, verdict.GIVEN_LIMIT]),
         ("`overshoot_rel`", [verdict.OVERSHOOT_LIMIT]),
         ("`stored_growth_rel`", [verdict.STORED_LIMIT]),
-        ("cables, film and friction together", [verdict.ASKED_LIMIT]),
-        ("what the [steady window]", [verdict.OTHER_LIMIT]),
+        ("share of cables, film and friction", [verdict.ASKED_LIMIT]),
+        ("work of the [steady window]", [verdict.OTHER_LIMIT]),
     ],
 )
 def test_limits_after_the_run_are_those_of_the_page(begins, limits):
-    told = numbers_of(row(PAGE, begins)[1])
-    assert [0.01 * float(text) for text in told] == pytest.approx(limits)
+    shown = numbers_of(row(PAGE, begins)[1])
+    assert [0.01 * float(text) for text in shown] == pytest.approx(limits)
 
 
 def test_the_depth_that_is_allowed_is_a_quarter_of_the_mean_half_thickness():

@@ -78,7 +78,7 @@ class Reading:
     """All frames of a file by VTK."""
 
     def __init__(self, path):
-        reason = "vtk is not installed: pip install shellcut[test]"
+        reason = "vtk is not installed: pip install 'shellcut-fem[test]'"
         hdf = pytest.importorskip("vtkmodules.vtkIOHDF", reason=reason)
         self.to_numpy = pytest.importorskip("vtkmodules.util.numpy_support").vtk_to_numpy
         self.reader = hdf.vtkHDFReader()

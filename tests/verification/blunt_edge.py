@@ -1,9 +1,9 @@
 """Cutting force over the edge's radius: python tests/verification/blunt_edge.py [--csv FILE].
 
-A strip of the film of 2010 is cut along its middle by a blade (half-angle 10°, half thickness
-0.3 mm) whose edge has a radius, with cables that adhere and with cables that slip with friction.
-Prints a table; ``--csv`` writes it, ready to be plotted. Beside the friction stands what it would
-be if the film lay on the blade (:func:`on_the_blade`).
+A strip of the film of 2010 is cut along its middle by a blade (half-angle 10°, half thickness 0.3
+mm) whose edge has a radius, with cables that adhere and with cables that slip with friction. Prints
+a table; ``--csv`` writes it, ready to be plotted. Beside the friction is its value for a film that
+lies on the blade (:func:`on_the_blade`).
 """
 
 import argparse
@@ -33,9 +33,9 @@ def cut(radius, size=SIZE, **joint):
     """Return the tool's work, its parts and the largest imbalance, per length over G h.
 
     An edge that severs cables takes G_s for G. The cut is steady once all its cables, up to half a
-    drawn one behind the edge, are a width of the strip beyond the notch, from which on the film
-    does not feel the rim. Measured with full G: the cables take G h times 0.10 mm more than beyond
-    8 mm of way, on 9 and on 19 mm of cut alike, and 0.01 to 0.02 mm more beyond 12 mm.
+    drawn one behind the edge, are a width of the strip beyond the notch, from which on the border
+    has no influence. Measured with full G: the cables take G h times 0.10 mm more than beyond 8 mm
+    of travel, on 9 and on 19 mm of cut alike, and 0.01 to 0.02 mm more beyond 12 mm.
     """
     law = CohesiveLaw(**joint)
     blade = straight_blade(length=LENGTH, height=3.0, edge_radius=radius)

@@ -36,7 +36,7 @@ class Check:
     reason : str
         Why this band: the kind of tolerance.
     gate : bool
-        False: printed beside, does not decide.
+        False: printed for information, does not decide.
     absolute : bool
         Whether the error is taken as a difference.
     """

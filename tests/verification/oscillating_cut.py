@@ -24,7 +24,7 @@ GROWN = 0.5
 """Of the diameter: the wave has grown when an extreme lies beyond the bar's side."""
 
 LEAST = 0.08
-"""Of the diameter: a crack that comes no farther to the other side is not yet there."""
+"""Of the diameter: a crack that moves no farther to the other side is not yet there."""
 
 
 def turned(film, half, degrees=20.0):
@@ -71,7 +71,7 @@ def grown(turns, path, diameter):
 
 
 def run(case, until):
-    """Run to the end; return rows of way, crack and works: tool, cables, damping, imbalance."""
+    """Run to the end; return rows of travel, crack and works: tool, cables, damping, imbalance."""
     sim, rows, began = case.simulation, [], time.time()
     while sim.state.time < case.duration and sim.cracks.tips:
         sim.step()

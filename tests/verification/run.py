@@ -17,7 +17,7 @@ from harness import Result, as_json, load_cases, run_case
 
 def row(result: Result, k: int) -> str:
     check = result.checks[k]
-    verdict = ("pass" if check.passed else "FAIL") if check.gate else "beside"
+    verdict = ("pass" if check.passed else "FAIL") if check.gate else "info"
     unit = "" if check.absolute else " %"
     scale = 1.0 if check.absolute else 100.0
     return (
@@ -32,7 +32,8 @@ def main() -> int:
     parser.add_argument("--json", type=Path, help="write the table to this file")
     parser.add_argument("--fast", action="store_true", help="only the cases that pytest runs")
     options = parser.parse_args()
-    head = f"{'case':<5} {'quantity':<58} {'reference':>12} {'ours':>12} {'error':>12} {'band':>10}"
+    head = f"{'case':<5} {'quantity':<58} {'reference':>12} {'ours':>12} {'error':>12}"
+    head += f" {'tolerance':>10}"
     print(head, "verdict", flush=True)
     results, failed = [], []
     for module in load_cases(options.case, fast_only=options.fast):

@@ -8,7 +8,7 @@ from shellcut.models import Case
 def steady_works(
     case: Case, size: float, begin: float, *names: str
 ) -> tuple[list[float], float, np.ndarray]:
-    """Run; return mean growths [N] of works, the largest imbalance, and rows of way and works.
+    """Run; return mean growths [N] of works, the largest imbalance, and rows of travel and works.
 
     The means are over periods of ``size`` [mm] from ``begin`` [mm] on; the imbalance is relative to
     the first of the works.

@@ -16,6 +16,7 @@ import pytest
 
 import shellcut as sc
 from gone_on import check_goes_on
+from naive.glue_law import traction
 from shellcut.meshing import rectangle
 from shellcut.models import guillotine
 
@@ -208,3 +209,115 @@ def test_a_glued_film_can_be_relaxed():
     sim.relax(tolerance=1e-6)
     carried = (glue_of(sim).points.traction[:, 2] * glue_of(sim).points.area).sum()
     assert carried == pytest.approx(-0.01 * 2.0, rel=1e-4)
+
+
+LAW = {"energy": 0.05, "strength": 0.5, "stiffness": 40.0, "shear": 0.7}
+
+
+def test_traction_on_any_path_is_that_of_the_plain_law():
+    mesh = rectangle(1.0, 1.0, size=1.0)
+    normal = np.array([0.2, -0.3, 0.9]) / np.linalg.norm([0.2, -0.3, 0.9])
+    glue = sc.Adhesion(quads=[0], normal=normal.tolist(), **LAW)
+    sim = sc.Simulation(mesh, FILM, terms=[glue])
+    points, state, generator = glue_of(sim).points, sim.state, np.random.default_rng(3)
+    largest, start = np.zeros(4), state.node.x[:4].copy()
+    base = np.einsum("pa,pac->pc", points.weight, start[points.corners])
+    broke = 0
+    for reach in np.linspace(0.002, 0.7, 90):
+        state.node.x[:4] = start + reach * generator.uniform(-1.0, 1.0, (4, 3))
+        state.node.force_rows[:] = 0.0
+        glue_of(sim).add_forces(state, sim.pose)
+        places = np.einsum("pa,pac->pc", points.weight, state.node.x[points.corners])
+        expected = np.zeros((4, 3))
+        for k in range(4):
+            expected[k], largest[k] = traction(places[k] - base[k], normal, largest[k], **LAW)
+        np.testing.assert_allclose(points.traction, expected, atol=1e-12)
+        nodal = np.zeros((4, 3))
+        np.add.at(
+            nodal,
+            points.corners,
+            (points.weight * points.area[:, None])[..., None] * expected[:, None],
+        )
+        np.testing.assert_allclose(state.node.force[:4], nodal, atol=1e-12)
+        broke = int((largest >= 0.2).sum())
+    assert broke == 4
+
+
+def test_stored_and_dissipated_make_up_the_work_of_a_slow_path():
+    sim = sc.Simulation(
+        rectangle(1.0, 1.0, size=1.0), FILM, terms=[sc.Adhesion(quads=[0], **LAW)]
+    )
+    glue, state = glue_of(sim), sim.state
+    start, work, spent = state.node.x[:4].copy(), 0.0, 0.0
+    for t in np.linspace(0.0, 1.0, 20_001):
+        apart = 0.13 * math.sin(5.0 * t) * np.array([0.5, -0.2, 1.0])
+        state.node.x[:4] = start + apart
+        glue.add_forces(state, sim.pose)
+        work, spent = work - glue.touch.sums[0], spent + glue.touch.sums[2]
+    assert spent > 0.02
+    assert work == pytest.approx(spent + glue.touch.sums[1], rel=1e-7)
+
+
+def test_forces_of_single_rows_add_up_and_leave_the_points_as_they_are():
+    sim = glued_cut().simulation
+    for _ in range(300):
+        sim.step()
+    glue, state = glue_of(sim), sim.state
+    quads = state.quads[: state.n_quad]
+    rows, nodes = np.repeat(np.arange(len(quads)), 4), quads.ravel().astype(np.int64)
+    before = [column.copy() for column in glue.points]
+    single = np.zeros((rows.size, 3))
+    glue.add_corner_forces(state, rows, nodes, single)
+    for was, now in zip(before, glue.points, strict=True):
+        np.testing.assert_array_equal(was, now)
+    total = np.zeros((state.n_node, 3))
+    np.add.at(total, nodes, single)
+    state.node.force_rows[:] = 0.0
+    glue.add_forces(state, sim.pose)
+    assert np.abs(total).max() > 1e-6
+    np.testing.assert_allclose(total, state.node.force[: state.n_node], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, "needs nodes or quads"),
+        ({"nodes": "left", "quads": [0]}, "needs nodes or quads"),
+        ({"nodes": "left"}, "no quad has all its nodes"),
+        ({"quads": [99]}, "must lie in 0..7"),
+        ({"quads": [0], "normal": [0.0, 0.0, 0.0]}, "must have a direction"),
+        ({"quads": [0], "strength": 1.0, "stiffness": 2.0}, "stiffness of adhesion must be above"),
+    ],
+)
+def test_wrong_input_is_refused(given, words):
+    mesh = rectangle(2.0, 1.0, size=0.5)
+    with pytest.raises(ValueError, match=words):
+        sc.Simulation(mesh, FILM, terms=[sc.Adhesion(**{"energy": 0.05, **given})])
+
+
+def test_quads_that_do_not_resolve_the_glue_are_distrusted():
+    mesh = rectangle(4.0, 2.0, size=0.5)
+
+    def found(**options):
+        glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=0.05, **options)
+        sim = sc.Simulation(mesh, FILM, terms=[glue])
+        return sc.check_model(sim, 1e-3).findings
+
+    (told,) = found()
+    assert told.severity == "note"
+    assert "strength 0.344 MPa" in told.came
+    (stiff,) = found(strength=3.0)
+    assert stiff.severity == "doubt"
+    assert "make the glued quads 0.17 mm small" in stiff.remedy
+
+
+def test_glue_supports_a_film():
+    """Without a support, glue alone keeps the piece: no doubt of a film that nothing supports."""
+    mesh = rectangle(4.0, 2.0, size=0.5)
+    glue = sc.Adhesion(quads=np.arange(8), energy=0.05)
+    tool = sc.tool_shapes.straight_blade().translated((-20.0, 0.0, 0.0))
+    motion = sc.StraightMotion((1.0, 0.0, 0.0), 1e3)
+    for terms, n_doubt in (([glue], 0), ([], 1)):
+        sim = sc.Simulation(mesh, FILM, tool=tool, motion=motion, terms=terms)
+        doubts = [one for one in sc.check_model(sim, 1e-4).doubts if "piece" in one.holds]
+        assert len(doubts) == n_doubt

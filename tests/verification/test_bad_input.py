@@ -84,7 +84,7 @@ VALUE_CASES: dict[str, Case] = {
     ),
     "velocity along a free axis": (
         lambda: Support("top", translation="x", velocity={"y": _slow}),
-        ("['y']", "translation 'x' does not hold", "add these axes"),
+        ("['y']", "translation 'x' does not support", "add these axes"),
     ),
     "two velocities of one corner": (
         lambda: _simulate(
@@ -94,7 +94,7 @@ VALUE_CASES: dict[str, Case] = {
     ),
     "traction on inner edges": (
         lambda: _simulate(loads=[EdgeTraction([6, 7, 8], (1.0, 0.0, 0.0))]),
-        ("needs boundary edges", "[6, 7, 8]"),
+        ("needs quad sides on the border", "[6, 7, 8]"),
     ),
     "gravity in the plane": (
         lambda: _simulate(loads=[Gravity((0.0, 9810.0))]),
@@ -119,7 +119,7 @@ VALUE_CASES: dict[str, Case] = {
         lambda: _simulate().run(until=-1.0),
         ("until must not lie before now", "got -1.0"),
     ),
-    "one support holds what another moves": (
+    "one support fixes what another moves": (
         lambda: _simulate(
             supports=[Support("top", velocity={"y": _slow}), Support.clamped("left")]
         ),
@@ -189,7 +189,7 @@ KIND_CASES: dict[str, Case] = {
     ),
     "blade beside the strip": (
         lambda: guillotine(1.0, length=6.0, width=4.0, tool=_blade_at(0.0, 3.0)),
-        ("must go through the strip, between y = -2 and 2 mm, got y = 3 mm",),
+        ("must pass through the strip, between y = -2 and 2 mm, got y = 3 mm",),
     ),
 }
 

@@ -1,6 +1,6 @@
 """The fast verification cases, one test each; all of them by ``run.py``.
 
-docs/verification.md shows their figures, which are those of today.
+docs/verification/ shows their values, which must be the present ones.
 """
 
 import json
@@ -41,8 +41,10 @@ def test_case(module):
 
 
 def on_the_page(result):
-    """Return the rows of a case in docs/verification.md, as cells."""
-    text = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8")
-    section = text.split(f"\n### {result.id} ")[1].partition("\n### ")[0]
+    """Return the rows of a case in its page of docs/verification/, as cells."""
+    pages = sorted((ROOT / "docs" / "verification").glob("*.md"))
+    texts = (page.read_text(encoding="utf-8") for page in pages)
+    (text,) = (text for text in texts if f"\n## {result.id} " in text)
+    section = text.split(f"\n## {result.id} ")[1].partition("\n## ")[0]
     ((_, rows),) = tables(section)
     return [cells(row) for row in rows[2:]]

@@ -4,11 +4,11 @@ Thick films push with hundreds of newtons; where a tooth ends their nodes spring
 as far in a step as a thin film is thick, and hit it again. Thin ones flutter.
 
 A node's depth has two parts with a bound each. What *presses* is the balance of film and penalty:
-to be held against the thickness of the tool. What is *set aside* as a jump is geometry: the lip of
-a cut that has fluttered over the mid-plane by s before the edge comes meets the far face of the
+to be compared with the thickness of the tool. What is *set aside* as a jump is geometry: the lip of
+a cut that has fluttered over the mid-plane by s before the edge arrives meets the far face of the
 wedge first, as far in front of its own face as the wedge is thick there, 2 s. Such a node takes its
 own side up to s = 0.1 edges (``_UNDECIDED`` of the contact), so that this part follows the mesh,
-and which lip lies how far over is chance: any change of the round-off changes it.
+and which lip lies how far over has run-to-run scatter: any change of the round-off changes it.
 """
 
 from types import SimpleNamespace

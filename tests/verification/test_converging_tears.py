@@ -1,8 +1,8 @@
 """Two tears that converge: the end of a flap between two notches of a clamped sheet is pulled up.
 
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
-towards the other until they meet and the strip comes off. [Brau2014] has w ~ x^(8/11) for an
-elastic ridge, x being the way to where the strip ends; a fold in a sheet that stays flat gives 2/3.
+towards the other until they meet and the strip is loose. [Brau2014] has w ~ x^(8/11) for an elastic
+ridge, x being the distance to where the strip ends; a fold in a sheet that stays flat gives 2/3.
 The law is that of a sheet wide beside the strip, and of a process zone short beside the fold. How
 near whole runs come to it is on the page of predictions (tests/predictions/converging_tears.py).
 """
@@ -46,7 +46,7 @@ def pulled_up(
     speed=SPEED,
     quasi_static=None,
 ):
-    """A flap of some breadth in a sheet; its end goes straight up, and along as it likes."""
+    """A flap of some breadth in a sheet; its end moves straight up, and along as it likes."""
     mesh = from_zero(rectangle(length, breadth + 2.0 * margin, size=size))
     x, y = mesh.nodes[:, 0], np.abs(mesh.nodes[:, 1])
     at_start, flap = x < 1e-9, y < 0.5 * breadth - 1e-6
@@ -72,7 +72,7 @@ def pulled_up(
 
 
 def torn_off(sim, longest):
-    """Tear until the strip is off; return both ways, (n, 2) each, the upper one first."""
+    """Tear until the strip is off; return both paths, (n, 2) each, the upper one first."""
     ways, n = ([], []), 0
     while sim.state.time < longest and len(Pieces.of(sim.state).mass) < 2:
         for _ in range(20):
@@ -85,7 +85,7 @@ def torn_off(sim, longest):
 
 
 def nearest(ways, at):
-    """Return which of two ways leads to a place, 0 of the upper one."""
+    """Return which of two paths leads to a place, 0 of the upper one."""
     if min(len(way) for way in ways) < 4:
         return int(at[1] < 0.0)
     lines = [np.polyfit(*np.array(way[-4:]).T, 1) for way in ways]
@@ -93,7 +93,7 @@ def nearest(ways, at):
 
 
 def breadths(upper, lower, start):
-    """Return places along the strip and its breadth there, until one way ends, shape (n,) each."""
+    """Return places along the strip and its breadth there, until one path ends, shape (n,) each."""
     stop = min(upper[:, 0].max(), lower[:, 0].max())
     x = np.linspace(start, stop, 400)
     return x, np.interp(x, *upper.T) - np.interp(x, *lower.T)

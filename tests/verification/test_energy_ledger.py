@@ -1,4 +1,4 @@
-"""The ledger closes: over long oscillations, in every entry of a cut, and better with a finer step.
+"""The energies balance: in long oscillations, in every entry of a cut, better with a finer step.
 
 All entries but the kinetic and the strain energy are sums of ½ (f_{n-1} + f_n)·Δx. At a constant
 step the sum of them all and of the kinetic energy is an identity; what is left is the strain
@@ -21,7 +21,7 @@ SIZE = 0.8  # mm, of the guillotine's mesh
 def _oscillate(
     *, dt: float | None, n_step: int, damped: bool = False, following: bool = False
 ) -> dict[str, np.ndarray]:
-    """Return the ledger over a run of a disc of 220 quads under a pressure step."""
+    """Return the energies over a run of a disc of 220 quads under a pressure step."""
     sim = sc.Simulation(
         disc(10.2, n_side=10, n_layer=3),
         sc.ShellMaterial.homogeneous(),
@@ -55,7 +55,7 @@ def test_the_imbalance_falls_with_the_square_of_the_step(damped: bool) -> None:
 
 
 def _cut(safety: float) -> tuple[float, float]:
-    """Drive a blade 14 mm along a film held at two sides, notched on a mesh line.
+    """Drive a blade 14 mm along a film clamped at two sides, notched on a mesh line.
 
     Return the mean force over seven node periods, after 8 mm, and the largest imbalance.
     """

@@ -1,13 +1,13 @@
 """Cuts through the quads of curved films.
 
-*Cylinders.* A strip is rolled onto a cylinder, its middle line along the axis, across it or at
-30 degrees to the axis. The blade follows the middle line by the screw (or the straight line) that
-maps the cylinder onto itself, with a short body, so that in steady cutting the whole deformed film
-moves along with it: all energies stay, and the work of the tool goes into the cables and damping.
-Force from the tool's work and from the cables' over whole node periods, in units of G h, within 2.5
-and 1.5 per cent (discretisation; measured on quads of 0.8 mm moved at random, five meshes: 0.3 to
-2.1 and at most 0.4). The periods begin where all cables of the cut, up to half a drawn one behind
-the edge, are a width of the strip beyond the notch: from 8.8 mm on the start adds 1 per cent.
+*Cylinders.* A strip is rolled onto a cylinder, its middle line along the axis, across it or at 30
+degrees to the axis. The blade follows the middle line by the screw (or the straight line) that maps
+the cylinder onto itself, with a short body, so that in steady cutting the whole deformed film moves
+along with it: all energies stay, and the work of the tool is that of cables and damping. Force from
+the tool's work and from the cables' over whole node periods, in units of G h, within 2.5 and 1.5
+per cent (discretisation; measured on quads of 0.8 mm moved at random, five meshes: 0.3 to 2.1 and
+at most 0.4). The periods begin where all cables of the cut, up to half a drawn one behind the edge,
+are a width of the strip beyond the notch: from 8.8 mm on the start adds 1 per cent.
 
 *Surfaces of revolution*, meshed by Gmsh and read from a file: a blade pierces them from the side
 and cuts them along its mid-plane, which leans against the film by up to 48 degrees.
@@ -41,7 +41,7 @@ def simulation(mesh, blade, motion, clamped):
 
 
 def guillotine(strip, angle, clamped=("bottom", "top")):
-    """Return a simulation of a blade before a notch in a rolled strip, the roll and its way."""
+    """Return a simulation of a blade before a notch in a rolled strip, the roll and its travel."""
     roll = Roll(angle, RADIUS)
     motion, per = roll.motion(SPEED, RAMP)
     # Six millimetres long: behind it the flanks close and give back what holds them open.
@@ -54,7 +54,7 @@ def guillotine(strip, angle, clamped=("bottom", "top")):
 
 
 def courses(sim, way, per=1.0):
-    """Run until the tool has gone a way [mm]; return way, its work, the cables' and imbalance."""
+    """Run until the tool has moved by ``way`` mm; return travel, works and imbalance."""
 
     def gone(one):
         return per * one.motion.coordinate(one.state.time) >= way

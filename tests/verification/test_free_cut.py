@@ -24,7 +24,7 @@ THROUGH = sc.Fracture(path="free")
 
 
 def strip(kind, amount):
-    """Return a strip whose rows of quads do not follow y = 0, its rims straight."""
+    """Return a strip whose rows of quads do not follow y = 0, its borders straight."""
     return moved(rectangle(LENGTH, WIDTH, size=SIZE), kind, amount, SIZE)
 
 

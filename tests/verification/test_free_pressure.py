@@ -1,9 +1,9 @@
 """Cracks through the quads of a film under pressure.
 
 What holds a cylinder together across a trial cut is its hoop tension. A strip that pressure bends
-strongly releases at a tip what a longer crack would. A blade cuts a strip that
-pressure bends aside, and a pressurised cylinder tears from a slit until it has burst: the ledger
-closes, and the cables have taken their tearing energy.
+strongly releases at a tip what a longer crack would. A blade cuts a strip that pressure bends
+aside, and a pressurised cylinder tears from a slit until it has burst: the energies balance, and
+the cables have taken their tearing energy.
 """
 
 import numpy as np

@@ -1,8 +1,7 @@
 """A blade cuts a film that its supports are stretching, up to and across a support that moves.
 
-The work of supports and blade goes into the film and the crack: the ledger closes, and the cables
-have taken G h times the crack. Real nodes on both flanks go on with the support, virtual ones are
-free.
+The work of supports and blade is that of film and crack: the energies balance, and the cables have
+taken G h times the crack. Real nodes on both flanks go on with the support, virtual ones are free.
 """
 
 import numpy as np
@@ -24,7 +23,7 @@ def pulling(speed):
 
 
 def pulled_strip(shift):
-    """A strip whose long sides are pulled apart, and whose end, across the blade's way, is pulled.
+    """A strip whose long sides are pulled apart, and whose end, across the blade's path, is pulled.
 
     shift : of its inner rows beside the blade, in edge lengths.
     """

@@ -122,7 +122,7 @@ def test_energy_release_converges_to_the_closed_form(rise, short):
     assert (np.abs(coarse / fine - 1.95) < 0.2).all()
     # What is left by extrapolation to h = 0: measured 0.8 and 1.1 %, from the next two 0.2 %.
     assert abs(2.0 * fine[0] - coarse[0]) < 0.015
-    _, rows = table("docs/verification.md", "edge h [mm]")
+    _, rows = table("docs/verification.md", "element size h [mm]")
     row = rows[[0.0, 0.3].index(rise)]
     assert shown_as(row[1], 100.0 * coarse[0])
     assert shown_as(row[2], 100.0 * fine[0])

@@ -1,7 +1,7 @@
 """A film that its supports move is cut as one at rest is by a tool that moves likewise to it.
 
-The tool cuts with one motion as seen from the film, whose share is the film's. Figures per length
-or angle, windows, checks and verdicts are those of the mirror case, a film at rest.
+The tool cuts with one motion as seen from the film, whose share is the film's. Values per length or
+angle, windows, checks and verdicts are those of the mirror case, a film at rest.
 """
 
 from functools import cache
@@ -20,7 +20,7 @@ from shellcut.tool_shapes import straight_blade
 SPEED = 6000.0
 """Of a blade as seen from the film [mm/s]."""
 TURN = 600.0
-"""Of a blade that goes round, likewise [rad/s]."""
+"""Of a blade that moves in a circle, likewise [rad/s]."""
 RADIUS = 10.0
 """On which it does [mm]."""
 ALONG, ROUND = 5.6 / SPEED, 0.56 / TURN

@@ -1,4 +1,4 @@
-"""Nothing goes deeper than half a thickness unfelt: no tool into film, no film's edge into a tool.
+"""No penetration above half a thickness without force: tool in film, border of film in tool.
 
 In the ready models with a tool, the finer ones in short form: the trouser test has none. A needle
 between nodes is in tests/unit/test_point_contact.py, a round bar in test_border_contact.py there.
@@ -17,7 +17,7 @@ from shellcut.tool.shapes import straight_blade
 
 
 def free_strip():
-    """A blade that comes to a strip from outside, beside its lines."""
+    """A blade that reaches a strip from outside, beside its lines."""
     mesh = rectangle(8.0, 6.0, size=0.4)
     return free_cut(
         mesh,
@@ -48,7 +48,7 @@ DEEPEST = {"opening quick": 0.6}
 
 
 def deepest_unfelt(sim, n_step):
-    """Depths of the tool in quads, and of edges of the film in the tool."""
+    """Depths of the tool in quads, and of borders of the film in the tool."""
     unfelt, deepest = UnfeltPenetration(sim), np.zeros(2)
     for _ in range(n_step):
         sim.step()

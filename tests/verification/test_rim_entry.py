@@ -1,6 +1,6 @@
-"""A blade that enters over the rim: the force is that of the cables drawn around its edge.
+"""A blade that enters over the border: the force is that of the cables drawn around its edge.
 
-At the advance a from the rim the cable of the place s has the length 2 (a - s), so the force is
+At the advance a from the border the cable of the place s has the length 2 (a - s), so the force is
 h A(2 a), A(l) being the area below the law up to l. The strip is narrow: in one of 6 mm the corners
 beside the cut fold forward by more than a millimetre, and the force is less by a fifth.
 """

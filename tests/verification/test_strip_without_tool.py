@@ -1,7 +1,7 @@
 """Cracks without a tool: straight under pure tension, normal to sigma_I as the mesh allows.
 
-Rims move at given velocities from a state in which all moves homogeneously already, so that no
-shock starts from the rims.
+Borders move at given velocities from a state in which all moves homogeneously already, so that no
+shock starts from them.
 """
 
 from functools import cache
@@ -23,7 +23,7 @@ THICKNESS = 0.074
 def _moving(
     mesh: sc.Mesh, criterion: str, rim: np.ndarray, gradient: np.ndarray, centre: np.ndarray
 ) -> sc.Simulation:
-    """Return a film that starts with v = gradient (X - centre), its rim held to that velocity."""
+    """Return a film that starts with v = gradient (X - centre), as its border keeps moving."""
     velocity = (mesh.nodes - centre) @ gradient.T
     supports = [
         sc.Support(
@@ -61,10 +61,10 @@ def _strip(criterion: str, jitter: float) -> sc.Simulation:
 
 @cache
 def _torn(criterion: str, jitter: float) -> tuple[sc.Simulation, float]:
-    """Pull the strip apart; return it and the largest unloading of a cable on the way [mm].
+    """Pull the strip apart; return it and the largest unloading of a cable meanwhile [mm].
 
-    But of the one at the far rim: its node parts with the last side, before it is due, so that its
-    cable begins with more than it carried and shakes, by 1.3e-4 mm of the 4 mm.
+    But of the one at the far border: its node parts with the last side, before it is due, so that
+    its cable begins with more than it carried and shakes, by 1.3e-4 mm of the 4 mm.
     """
     sim = _strip(criterion, jitter)
     unloading = 0.0
@@ -152,7 +152,8 @@ def _eight_ways(jitter: float) -> sc.Mesh:
 def _crack_angle(criterion: str, pull_deg: float) -> float:
     """Return the angle of the crack [degrees] in a sheet drawn out at ``pull_deg`` to the y axis.
 
-    The rim moves so that the strain is uniaxial: the normal of sigma_I lies at ``pull_deg`` to x.
+    The border moves so that the strain is uniaxial: the normal of sigma_I lies at ``pull_deg`` to
+    x.
     """
     mesh = _eight_ways(0.1)
     # A notch of two squares' sides along x, in the middle; both its ends are tips.

@@ -1,9 +1,9 @@
 """The trouser test: two legs of a notched strip are pulled apart, out of its plane, and tear it.
 
-A leg that is pulled straight up turns the way of the crack into way of its end. So the ends part by
-2 mm per mm of crack, and with G h per mm of crack the force on a leg is G h / 2.
-The legs are stiff beside that force (strain below 1e-3), the pull is slow beside it (momentum of a
-leg: rho h b V² = 0.3 per cent of it), and the process zone is short against the strip.
+A leg that is pulled straight up turns the advance of the crack into travel of its end. So the ends
+part by 2 mm per mm of crack, and with G h per mm of crack the force on a leg is G h / 2. The legs
+are stiff beside that force (strain below 1e-3), the pull is slow beside it (momentum of a leg: rho
+h b V² = 0.3 per cent of it), and the process zone is short against the strip.
 
 Measured once the legs stand upright, by lines fitted in time: the crack grows by steps.
 """
@@ -44,7 +44,7 @@ def trouser(kind, size, share=None):
 
 
 def torn(sim):
-    """Tear; return crack, way apart, works of supports and cables, imbalance, kinetic energy."""
+    """Tear; return crack, distance, works of supports and cables, imbalance, kinetic energy."""
     up, down = (sim.mesh.node_set(name)[0] for name in ("up", "down"))
     rows = []
     while sim.state.time < 8e-3 and sim.state.crack_length < FAR:

@@ -7,8 +7,8 @@ J = F (u_A + u_B). In an isotropic film the crack runs along u_A + u_B, on a hyp
 A and B, at F = G h / |u_A + u_B|; with G(theta) it runs where G(theta) / cos(theta - theta_T) is
 least. Corrections are of the order of sqrt(D / (G h)) / |TA|, 2 per cent here.
 
-The slow tests compare the force, too; the quick ones, on large quads and in a hurry, the way of the
-crack alone.
+The slow tests compare the force, too; the quick ones, on large quads and at high speed, the path of
+the crack alone.
 """
 
 from typing import NamedTuple

@@ -1,9 +1,10 @@
 """A row of nodes split under uniform tension: with the equilibrium start nothing moves.
 
-A strip is stretched homogeneously, uniaxial stress along x, and held at its ends. The element
+A strip is stretched homogeneously, uniaxial stress along x, and fixed at its ends. The element
 carries a homogeneous strain exactly whatever its shape, so the strip is in equilibrium to
 round-off. Then all nodes of its middle line are split across the pull, chosen by the criterion
-itself, and the run goes on. The strength of the law is taken as the stress divided by ``mismatch``.
+itself, and the run continues. The strength of the law is taken as the stress divided by
+``mismatch``.
 """
 
 import numpy as np
@@ -56,7 +57,7 @@ def _largest_residual(sim: sc.Simulation) -> float:
 
 
 def _split_middle_row(sim: sc.Simulation, mesh: sc.Mesh) -> list[float]:
-    """Let a crack run from the rim across half the length; return its measures."""
+    """Let a crack run from the border across half the length; return its measures."""
     row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9)
     start, *_, end = row[np.argsort(mesh.nodes[row, 1])].tolist()
     assert sim.cracks is not None

@@ -1,10 +1,10 @@
-"""In-plane pulses run along a strip at the speeds that the edges allow.
+"""In-plane pulses run along a strip at the speeds that the borders allow.
 
 A velocity pulse f(x) released from rest parts into two halves, ½ f(x - ct) + ½ f(x + ct), with
 
-    c = sqrt(E / rho (1 - nu²))    sides held across (a plate),
+    c = sqrt(E / rho (1 - nu²))    sides fixed across (a plate),
     c = sqrt(E / rho)              sides free, strip narrow beside the pulse (a bar),
-    c = sqrt(G / rho)              moved across, held along (shear).
+    c = sqrt(G / rho)              moved across, fixed along (shear).
 
 Error in c: dispersion of the mesh, of second order in its size.
 """

@@ -1,6 +1,6 @@
 """A yielding disc, in statics: the tables of docs/theory/yielding-disc.md.
 
-CalculiX's figures are of the page alone; ``python -m benchmarks.yielding_disc`` has both.
+CalculiX's values are on the page alone; ``python -m benchmarks.yielding_disc`` has both.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """How much of each tolerance is used: ``python tests/verification/tolerances.py [ARGUMENT ...]``.
 
 Runs pytest with the arguments, on tests/regression by default, and lists every comparison with a
-number that comes nearer to its bound than 70 %: of ``a == approx(b)`` the difference over what is
+number that is nearer to its bound than 70 %: of ``a == approx(b)`` the difference over what is
 allowed, of ``a < b`` the smaller over the larger, of the cases of run.py, from a file that it has
 written, the error over the band. Comparisons of arrays and by NumPy's functions are not seen.
 """

@@ -77,12 +77,12 @@ End: TypeAlias = Annotated[float, Option("mm", "l_U, at which the cable breaks",
 @checked
 @dataclass(frozen=True, kw_only=True)
 class CohesiveTable:
-    """Stress [MPa] of a cable against its length [mm], straight between points.
+    """Stress [MPa] of a cable against its length [mm], linear between points.
 
     Raises
     ------
     ValueError
-        If the points are no law, or the joint does not fit its friction.
+        If the points make no decreasing law, or joint and friction contradict each other.
 
     Examples
     --------
@@ -110,8 +110,7 @@ class CohesiveTable:
     joint: Annotated[
         Joint,
         Option(
-            "",
-            "what a cable does at the cutting edge: stick to its point, slip with friction, slide",
+            "", "at the cutting edge a cable sticks to its point, slips with friction, or slides"
         ),
     ] = "adhesion"
     joint_friction: Annotated[float, Option("", "mu of joint = slip", least=0)] = 0.0
@@ -119,19 +118,19 @@ class CohesiveTable:
         float | None,
         Option(
             "N/mm",
-            "G_0, taken by a cut with a razor, kJ/m²: an edge of radius r severs cables at G_0 + 2 "
-            "r H",
+            "G_0, fracture energy of a cut with a razor, kJ/m²; a cutting edge of radius r severs "
+            "cables at G_0 + 2 r H",
             above=0,
-            unset="a cut needs the area of the law",
+            unset="the area below the law",
         ),
     ] = None
     severing_pressure: Annotated[
         float | None,
         Option(
             "MPa",
-            "H, under which an edge with a radius severs the film",
+            "H, pressure under which a cutting edge with a radius severs the film",
             above=0,
-            unset="only for edges without a radius",
+            unset="only for cutting edges without a radius",
         ),
     ] = None
 
@@ -153,7 +152,7 @@ class CohesiveTable:
         length, stress = np.array(self.openings), np.array(self.tractions)
         if len(length) != len(stress) or len(length) < 2:
             return [
-                "openings and tractions must be as many, 2 points at least, got "
+                "openings and tractions must have the same number of points, at least 2, got "
                 f"{len(length)} and {len(stress)}"
             ]
         rises, falls = np.diff(length) > 0.0, np.diff(stress) <= 0.0
@@ -180,7 +179,7 @@ class CohesiveTable:
             )
         elif self.joint != "slip" and mu:
             problems.append(
-                f"joint_friction is of joint = 'slip', got {mu!r} with joint = {self.joint!r}"
+                f"joint_friction belongs to joint = 'slip', got {mu!r} with joint = {self.joint!r}"
             )
         return problems
 
@@ -188,11 +187,11 @@ class CohesiveTable:
         least, whole = self.cutting_energy, self.fracture_energy
         if least is None:
             given = self.severing_pressure is not None
-            return ["severing_pressure needs cutting_energy, that of a razor: give both"] * given
+            return ["severing_pressure needs cutting_energy, of a razor: give both"] * given
         if least > whole:
             return [
-                "cutting_energy must not exceed the fracture energy of the law, which tears it, "
-                f"{whole:.4g} N/mm, got {least}"
+                f"cutting_energy must not exceed the fracture energy of the law, {whole:.4g} "
+                f"N/mm, got {least}"
             ]
         try:
             self.at_edge(0.0)
@@ -203,7 +202,7 @@ class CohesiveTable:
     @staticmethod
     @checked
     def linear(*, strength: Strength, opening_u: End, **cables: Any) -> CohesiveTable:
-        """Return the law that falls straight to zero; ``cables`` are arguments of the class."""
+        """Return the law that falls linearly to zero; ``cables`` are arguments of the class."""
         return CohesiveTable(openings=(0.0, opening_u), tractions=(strength, 0.0), **cables)
 
     @staticmethod
@@ -211,8 +210,8 @@ class CohesiveTable:
     def bilinear(
         *,
         strength: Strength,
-        knee_opening: Annotated[float, Option("mm", "where the law turns", above=0)],
-        knee_traction: Annotated[float, Option("MPa", "at which the law turns", above=0)],
+        knee_opening: Annotated[float, Option("mm", "cable length at the knee", above=0)],
+        knee_traction: Annotated[float, Option("MPa", "stress at the knee", above=0)],
         opening_u: End,
         **cables: Any,
     ) -> CohesiveTable:
@@ -251,10 +250,10 @@ class CohesiveTable:
     def at_edge(self, radius: float) -> CohesiveTable:
         """Return the law of cables around an edge [mm]: this one, cut off at the area G_s.
 
-        It falls as this one does up to c, and from there straight to its end l_U', with the c from
-        rho l_U' on, rho = l_{n-1}/l_n, whose line is the flattest. So it is nowhere above this one,
-        and grows with l_U' at every length. Where c jumps, over a bulge of this law, laws between
-        the two are means of both.
+        It equals this law up to an opening c, and falls linearly from there to its end l_U'; c is
+        that of the flattest line from rho l_U' on, rho = l_{n-1}/l_n. So the law is nowhere above
+        this one, and grows with l_U' at every length. Where c jumps, over a bulge of this law, laws
+        between are means of both.
 
         Examples
         --------
@@ -309,7 +308,7 @@ class CohesiveTable:
 
     @property
     def blunt_radius(self) -> float:
-        """r_c = (G - G_0)/(2 H), from which on an edge severs nothing [mm]."""
+        """r_c = (G - G_0)/(2 H), radius from which on an edge severs nothing [mm]."""
         if self.cutting_energy is None or self.severing_pressure is None:
             return math.inf
         return 0.5 * (self.fracture_energy - self.cutting_energy) / self.severing_pressure
@@ -377,7 +376,7 @@ class CohesiveLaw(CohesiveTable):
     Raises
     ------
     ValueError
-        If the law does not decrease, or the joint does not go with its friction.
+        If the law does not decrease, or joint and friction contradict each other.
 
     Examples
     --------

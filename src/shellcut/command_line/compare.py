@@ -63,7 +63,7 @@ def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare, print a table, write the figures and the picture."""
+    """Compare, print a table, write the values and the picture."""
     comparison = compared(arguments, arguments.out)
     print(comparison)
     out = Path(arguments.out)

@@ -1,9 +1,8 @@
 """``converge``: error bars: run a model on other meshes, slower, and from other small shapes.
 
-How fine, how slow, how sure: run a model with its companions, on a coarser and a finer mesh, with
-nodes elsewhere under the path, at half the speed and from two other small shapes of the film, ten
-times its time in all, and print its figures with error bars. Runs that are done are found and not
-repeated, interrupted ones go on.
+Run a model and others like it: on a coarser and a finer mesh, with nodes elsewhere under the path,
+at half the speed and from two other small shapes of the film, ten times its time in all, and print
+its values with error bars. Runs that are done are not repeated, interrupted runs continue.
 
 example: shellcut converge opening --set mesh=quick -o bars
 """
@@ -21,17 +20,17 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a run's folder")
     parser.add_argument(
-        "-o", "--out", metavar="OUT", type=named, help="folder [of a run: RUN/converge]"
+        "-o", "--out", metavar="OUT", type=named, help="folder [for a run: RUN/converge]"
     )
     parser.add_argument(
-        "--figures", metavar="NAMES", default="", help="names in summary.json, with commas"
+        "--figures", metavar="NAMES", default="", help="names in summary.json, joined by commas"
     )
     add_settings_to(parser)
     add_engine_to(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run what is not done, print the table."""
+    """Run what is not done yet, print the table."""
     from shellcut.results.error_bars import CONVERGED, ERROR_BARS
     from shellcut.study.converge import converge
 

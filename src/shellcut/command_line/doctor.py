@@ -19,13 +19,14 @@ import h5py
 import numba
 import numpy as np
 
+from shellcut.files.distribution import DISTRIBUTION, pip_install
 from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.threads import available_cores
 
 from .exit_code import BAD_INPUT, DONE
 
-_REQUIRED = ("shellcut", "numpy", "scipy", "numba", "h5py", "meshio")
-# What goes without an optional package, and the extra that brings it.
+_REQUIRED = (DISTRIBUTION, "numpy", "scipy", "numba", "h5py", "meshio")
+# What an optional package is for, and the extra that installs it.
 _EXTRAS = {
     "matplotlib": ("pictures", "plot"),
     "imageio-ffmpeg": ("movies as mp4", "movie"),
@@ -49,7 +50,7 @@ def run(_: argparse.Namespace) -> int:
         try:
             print(f"{package:<15} {version(package)}")
         except PackageNotFoundError:
-            print(f"{package:<15} not installed: no {purpose} (pip install shellcut[{extra}])")
+            print(f"{package:<15} not installed: no {purpose} ({pip_install(extra)})")
     problems = list(_problems())
     for problem in problems:
         print(f"PROBLEM         {problem}")
@@ -63,10 +64,10 @@ def _problems() -> Iterator[str]:
             yield "Numba computes wrongly: reinstall numba"
     except Exception as reason:  # any failure of the compiler
         yield f"Numba fails: {reason}; pip install -U numba"
-    rooms = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
-    caches = [getattr(kernel, "_cache", None) for room in rooms for kernel in vars(room).values()]
-    stored = [one for one in caches if isinstance(one, KernelCache) and one.can_store]
-    kept = {Path(one.cache_path) for one in stored}
+    modules = [module for name, module in sys.modules.items() if name.startswith("shellcut.")]
+    kernels = [kernel for module in modules for kernel in vars(module).values()]
+    caches = [getattr(kernel, "_cache", None) for kernel in kernels]
+    kept = {Path(c.cache_path) for c in caches if isinstance(c, KernelCache) and c.can_store}
     place = os.path.commonpath(kept) if kept else "nowhere: set NUMBA_CACHE_DIR to a folder"
     print(f"compiled code   {place}")
     try:

@@ -14,12 +14,13 @@ MEANINGS = {
     DONE: "done",
     BUG: "an error of shellcut itself, with a traceback; please report it",
     BAD_INPUT: "nothing was run: an argument, model, file or folder is wrong, or another run uses "
-    "the folder. Standard error says `refused:` and what, of a model all that is wrong at once",
+    "the folder. Standard error says `refused:` with the reason; for a model it lists everything "
+    "that is wrong",
     STOPPED: "a guard stopped the run because its numbers were no longer right; the output so far "
     "is saved",
     FAILED: "the run failed: disk full, folder gone, an error in a hook. The output is "
     "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`. Or "
-    "runs of a study failed, or none of a search keeps to its limits",
+    "runs of a study failed, or no run of a search keeps its limits",
     INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
     "happens, but a shell reports 143",
 }

@@ -1,8 +1,8 @@
 """``fit``: fit keys of a model to measured curves.
 
-Fit keys of a model to measured curves by least squares: those with a range (8:16). Writes
+Fit the keys of a model that have a range (8:16) to measured curves by least squares. Writes
 OUT/fit.json, with 95 % confidence intervals, and with Matplotlib OUT/fit.png. Runs are kept: the
-same call again repeats none, and an interrupted fit goes on.
+same command again repeats none, and continues an interrupted fit.
 
 example: shellcut fit opening slow.csv fast.csv --for fast.csv motion.duration=3e-3 --set
 plateau=6:24 --set opening_u=3.2:8 -o OUT
@@ -37,18 +37,18 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
-    add_settings_to(parser, ", or give what is fitted a range LOW:HIGH")
+    add_settings_to(parser, ", or give a key to fit a range LOW:HIGH")
     flags = {name: f"--{name.replace('_', '-')}" for name in ("keep_energy", "max_runs", "method")}
     add_options(parser, Search, **flags)
     parser.add_argument(
-        "--x", metavar="NAME[=COLUMN]", default="", help="the coordinate, as of compare"
+        "--x", metavar="NAME[=COLUMN]", default="", help="the coordinate, as for compare"
     )
     parser.add_argument(
         "--y",
         metavar="NAME[=COLUMN]",
         action="append",
         default=[],
-        help="the quantity, as of compare; once for each file, or several of one file",
+        help="the quantity, as for compare; once for each file, or several times for one file",
     )
     parser.add_argument(
         "--for",
@@ -58,7 +58,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         default=[],
         dest="of_curves",
         help="a key with another value in one experiment: CURVE is its file, or its number from 1 "
-        "on; any number of times. Curves of the same keys share a run",
+        "on; any number of times. Curves with the same keys share a run",
     )
     parser.add_argument("--units", help='units of the files\' columns, as "deg, N*cm"')
     add_engine_to(parser)

@@ -1,7 +1,7 @@
 """``keys``: search the keys of model files.
 
-Print the keys of model files that contain all the words in name, section, unit or meaning, after
-the pages that answer a question with them; without words, all keys.
+Print the pages that answer a question with the words, then the keys of model files that have all
+words in name, section, unit or meaning; without words, print all keys.
 
 example: shellcut keys notch
 """
@@ -21,7 +21,7 @@ from .exit_code import DONE
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
-    parser.add_argument("words", metavar="WORD", nargs="*", help="part of a word, in any case")
+    parser.add_argument("words", metavar="WORD", nargs="*", help="a word, or a part of it")
     parser.add_argument(
         "--schema",
         nargs="?",
@@ -57,7 +57,7 @@ def _lines(table: Table) -> Iterator[str]:
         (
             f"{name} or {key.also}" if key.also else name,
             f"{key.wants} [{key.option.unit}]" if key.option.unit else key.wants,
-            f"= {key.told}" if key.has_default else f"({key.told})",
+            f"= {key.default_text}" if key.has_default else f"({key.default_text})",
             key.option.text,
         )
         for name, key in table.keys.items()

@@ -6,10 +6,10 @@ import argparse
 import re
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
+from shellcut.files.distribution import VERSION, another_project
 from shellcut.model_file import ModelFileError
 from shellcut.signals import (
     INTERRUPTED,
@@ -48,7 +48,7 @@ _COMMANDS = (
 _RUNS = ("run", "resume")
 _OPTION = re.compile(r"-{1,2}[A-Za-z]|$")
 _SHOWING = ("run", "resume", "converge", "fit", "optimise", "preview", "compare", "report", "view")
-"""Commands that show figures, in units of the user's choice."""
+"""Commands that show values in units of the user's choice."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -67,7 +67,7 @@ class _Parser(argparse.ArgumentParser):
         for flag, key, *rest in (words[k : k + 4] for k in range(len(words) - 1)):
             if flag not in ("--set", "--confirm") or "=" in key or key.startswith("-"):
                 continue
-            value = next((one for one in rest if one != "="), "")
+            value = next((word for word in rest if word != "="), "")
             if not _OPTION.match(value):
                 self.error(f"{flag} {key}: must be KEY=VALUE, write {flag} {key}={value}")
 
@@ -85,6 +85,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
                 if isinstance(stream, TextIOWrapper):
                     stream.reconfigure(errors="backslashreplace")
+            if beside := another_project():
+                return refuse(beside)
             parser = parser_of_all()
             parser.refuse_parted_settings(sys.argv[1:] if argv is None else argv)
             arguments = parser.parse_args(argv)
@@ -127,13 +129,13 @@ def parser_of_all() -> _Parser:
         epilog=in_lines(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"%(prog)s {version('shellcut')}")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {VERSION}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in _COMMANDS:
         said, *more = [" ".join(part.split()) for part in str(command.__doc__).split("\n\n")]
         _, _, name = command.__name__.rpartition(".")
-        told: dict[str, Any] = dict(zip(("description", "epilog"), more, strict=False))
-        of = commands.add_parser(name, help=said.partition(": ")[2].removesuffix("."), **told)
+        texts: dict[str, Any] = dict(zip(("description", "epilog"), more, strict=False))
+        of = commands.add_parser(name, help=said.partition(": ")[2].removesuffix("."), **texts)
         command.add_to(of)
         of.set_defaults(run=command.run)
         if name in _SHOWING:

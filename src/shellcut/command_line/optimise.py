@@ -1,10 +1,10 @@
-"""``optimise``: seek the values of keys that make a figure least, or largest.
+"""``optimise``: seek the values of keys that make a result least, or largest.
 
-Seek the values of some keys that make a figure least, or largest, within limits on others: of keys
-with a range (0.2:0.5), several values (3,4,5) or files (caps/*.stl). The first run is the model as
-given, Optuna proposes the others. A run that its verdict distrusts is not the best. Writes
-OUT/optimum.json, and with Matplotlib OUT/optimum.png. Runs are kept: the same call again repeats
-none, an interrupted search goes on.
+Seek the values of some keys that make a result least, or largest, within limits on other results. A
+key has a range (0.2:0.5), several values (3,4,5) or files (caps/*.stl). The first run is the model
+as given, Optuna proposes the others. A run that its verdict distrusts is not the best. Writes
+OUT/optimum.json, and with Matplotlib OUT/optimum.png. Runs are kept: the same command again repeats
+none, and continues an interrupted search.
 
 example: shellcut optimise opening --set mesh=quick --set tool.half_thickness=0.2:0.5 --minimise
 torque_peak --subject-to 'n_loose == 1' -o OUT
@@ -28,31 +28,31 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
-    add_settings_to(parser, ", or give what is sought a range LOW:HIGH, or values with commas")
+    add_settings_to(parser, ", or give a key to seek a range LOW:HIGH, or several values")
     aim = parser.add_mutually_exclusive_group(required=True)
     for word in ("minimise", "maximise"):
-        aim.add_argument(f"--{word}", metavar="FIGURE", default="", help="name in summary.json")
+        aim.add_argument(f"--{word}", metavar="VALUE", default="", help="name in summary.json")
     parser.add_argument(
         "--subject-to",
         metavar="LIMIT",
         action="append",
         default=[],
-        help="FIGURE <= NUMBER, or with >= or ==; any number of times",
+        help="VALUE <= NUMBER, or with >= or ==; any number of times",
     )
     parser.add_argument(
         "--confirm",
         metavar="KEY=VALUE",
         action="append",
-        help="run the model as given, the best values and the second best again with this key, as "
-        "mesh=M1, instead of on a finer film; none: do not",
+        help="repeat the model as given, the best run and the second best with this key, as "
+        "mesh=M1, instead of on a finer film; none: no repeat",
     )
     parser.add_argument(
-        "--max-runs", metavar="N", type=int, default=60, help="runs to take at most [60]"
+        "--max-runs", metavar="N", type=int, default=60, help="largest number of runs [60]"
     )
     parser.add_argument(
         "--allow-doubts",
         action="store_true",
-        help="let a run that its verdict distrusts be the best",
+        help="accept as the best a run that its verdict distrusts",
     )
     add_engine_to(parser)
 

@@ -1,7 +1,7 @@
 """``preview``: draw a model before its run.
 
-Draw film, held nodes, tool and cutting edges of a model and check it, without running it. If the
-model is refused, its valid parts are drawn.
+Draw film, supported nodes, tool and cutting edges of a model and check it, without running it. If
+the model is refused, its valid parts are drawn.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _picture(arguments: argparse.Namespace, model: Model) -> Path:
-    """Return where the picture goes; a name without a suffix becomes a PNG."""
+    """Return the file of the picture; a name without a suffix becomes a PNG."""
     named = arguments.out
     if named is not None and not named.suffix:
         named = named.with_name(f"{named.name}.png")

@@ -1,8 +1,8 @@
 """``report``: write an HTML report of a run, a study, a fit or a search.
 
-Write one self-contained HTML file about a run: verdict, figures, curves, pictures. An interrupted
-run is reported up to its last record. Of a study (the folder of shellcut sweep): table, curves,
-figures over factors. Of shellcut fit and optimise: values, curves, runs.
+Write one self-contained HTML file about a run: verdict, values, curves, pictures. An interrupted
+run is reported up to its last record. The report of a study (the folder of shellcut sweep) has
+table, curves, values over factors; that of shellcut fit and optimise has values, curves, runs.
 """
 
 from __future__ import annotations
@@ -61,8 +61,9 @@ def _written(arguments: argparse.Namespace) -> Path:
         return report_found(folder / there[0], arguments.output)
     if (folder / RUNS).is_dir():
         raise FileNotFoundError(
-            f"{folder} holds runs, but none of {STUDY}, {FIT}, {OPTIMUM}: what runs them has not "
-            f"ended, the same call goes on; one of them: shellcut report {folder / RUNS}/..."
+            f"{folder} holds runs, but none of {STUDY}, {FIT}, {OPTIMUM}: the command that makes "
+            "them has not ended; call it again to continue, or report one run: shellcut report "
+            f"{folder / RUNS}/..."
         )
     found = compared(arguments, folder) if arguments.measured else None
     return report_run(folder, arguments.output, measured=found)

@@ -35,10 +35,10 @@ def run(arguments: argparse.Namespace) -> int:
     if not used.is_file():
         return refuse(f"{folder} holds no {USED}: it is not a folder of shellcut run")
     if arguments.settings:
-        settings = " ".join(f"--set {one}" for one in arguments.settings)
+        settings = " ".join(f"--set {setting}" for setting in arguments.settings)
         return refuse(
-            f"resume goes on with the model as the run began, without {settings}; for another "
-            f"value begin a run: shellcut run {used} {settings} -o OTHER"
+            f"resume continues with the model of the run's start, without {settings}; for another "
+            f"value start a new run: shellcut run {used} {settings} -o OTHER"
         )
     refuse_if_in_use(folder)
     model = read_model(used)

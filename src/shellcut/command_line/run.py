@@ -36,14 +36,14 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--force",
         action="store_true",
-        help="run a model that a check refuses, where that can make sense",
+        help="run a model although a check refuses it, where this can make sense",
     )
     parser.add_argument("--list", action="store_true", help="list the models of the package")
     parser.add_argument(
         "--write-model",
         metavar="FILE",
         type=named,
-        help="write a model file to edit, with --set one that lists every key; run nothing",
+        help="write a model file to edit, with --set a file that lists every key; run nothing",
     )
 
 
@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _read(arguments: argparse.Namespace) -> Model:
-    """Return the model with what the arguments set; a ModelFileError lists all that is wrong."""
+    """Return the model with the keys that are set; a ModelFileError lists all problems."""
     from shellcut.model_file import read_model
 
     settings = settings_of(arguments)

@@ -6,11 +6,11 @@ import errno
 import time
 import traceback
 from contextlib import closing
-from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from shellcut.files.distribution import VERSION
 from shellcut.files.run_folder import CHECKPOINT, LOG, USED
 from shellcut.recording.run_log import RunLog
 from shellcut.results.energy_account import account
@@ -53,7 +53,7 @@ def run_model(
     there, ``overwrite`` says whether it may be removed, ``force`` runs a model that a check
     refuses, where that can make sense.
     """
-    options = {"resume": resume, "replace": overwrite, "force": force}
+    options: dict[str, Any] = {"resume": resume, "replace": overwrite, "force": force}
     with log.library_said(), closing(log):
         try:
             if resume:
@@ -66,9 +66,9 @@ def run_model(
 
 
 def _ready(
-    model: Model, folder: Path, log: RunLog, options: dict[str, bool]
+    model: Model, folder: Path, log: RunLog, options: dict[str, Any]
 ) -> tuple[Case, Recorder] | int:
-    """Return a case and the recorder of its run, which holds the folder with its files open.
+    """Return a case and the recorder of its run, which locks the folder and has its files open.
 
     Or the exit code if it cannot run.
     """
@@ -83,14 +83,14 @@ def _ready(
         log.warn(refused(problem))
         return BAD_INPUT
     try:
-        kept = {"log": log.keep, "also": (USED, LOG)}
-        recorder = case.recorder(folder, **model.run_options(), **options, **kept)
+        options["log"] = log.keep
+        recorder = case.recorder(folder, also=(USED, LOG), **model.run_options(), **options)
         try:
             if not options["resume"]:
                 model.write(folder / USED)
             log.open(folder / LOG)
             digest = digest_of(folder / USED)
-            for line in (f"shellcut {version('shellcut')}, {USED} with sha256 {digest}", *lines):
+            for line in (f"shellcut {VERSION}, {USED} with sha256 {digest}", *lines):
                 log.say(line)
         except BaseException:
             recorder.give_up()
@@ -108,7 +108,7 @@ def _ready(
         return BAD_INPUT
 
 
-def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, list[str]]:
+def _built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, list[str]]:
     """Build, check and compile the model; return it with lines on its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation
@@ -122,14 +122,14 @@ def _built(model: Model, log: RunLog, options: dict[str, bool]) -> tuple[Case, l
         began.append(time.perf_counter())
         log.say("compiling (first run only) ...")
 
-    def told(n: int, n_all: int) -> None:
+    def progress(n: int, n_all: int) -> None:
         nonlocal said
         if time.perf_counter() - said > _BETWEEN_LINES:
             said = time.perf_counter()
             log.say(f"compiling {n} of {n_all} kernels ...")
 
     with on_compilation(compiling):
-        warmup([model.head.model], told=told)
+        warmup([model.head.model], told=progress)
         case = model.build()
         if not options["resume"]:
             case.check.enforce(force=options["force"])
@@ -166,7 +166,7 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
 
 
 def _remedy(problem: Exception, folder: Path) -> str:
-    """Return what to do about a run that failed on the way."""
+    """Return what to do about a run that failed."""
     full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
     cause = "free space" if full else "remove the cause"
     if (folder / CHECKPOINT).exists():

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
+from shellcut.files.distribution import pip_install
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.source import parse_value
 from shellcut.model_file.spelling import in_keys
@@ -98,7 +99,7 @@ def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
         metavar="UNITS",
         type=_units,
         default="",
-        help='show figures, curves and pictures in these units, as "in, lbf"; sentences, written '
+        help='show values, curves and pictures in these units, as "in, lbf"; sentences, written '
         "files and the keys of a model stay in mm, N and s",
     )
 
@@ -114,7 +115,7 @@ def _units(text: str) -> str:
 def add_engine_to(parser: argparse.ArgumentParser) -> None:
     """Add ``--jobs`` and ``--dask``."""
     engine = parser.add_mutually_exclusive_group()
-    engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one a core")
+    engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one per core")
     engine.add_argument(
         "--dask",
         metavar="ADDRESS",
@@ -152,7 +153,7 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ImportError("--dask needs Dask: pip install 'shellcut[sweep]'") from None
+        raise ImportError(f"--dask needs Dask: {pip_install('sweep')}") from None
     from shellcut.numerics.threads import available_cores
 
     with contextlib.ExitStack() as close:

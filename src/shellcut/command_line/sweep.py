@@ -1,9 +1,10 @@
 """``sweep``: run a model with many values: a study.
 
 Run a model with many values of some keys, or the runs of a study file. A key with several values
-(40,60,80), with files (caps/*.stl), or with a range (12:20, for --design sobol or lhs) is a factor;
-tool.edge_inclination_deg,motion.pitch=40:12,60:20 is one of values that go together. Runs that are
-done are found and not repeated, interrupted ones go on. OUT/table.csv has a row for each run.
+(40,60,80), with files (caps/*.stl), or with a range (12:20, for --design sobol or lhs) is a factor.
+tool.edge_inclination_deg,motion.pitch=40:12,60:20 is a factor of two keys whose values belong
+together. Runs that are done are not repeated, interrupted runs continue. OUT/table.csv has a row
+for each run.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
-    add_settings_to(parser, ", or make a factor of it, with several values or a range")
+    add_settings_to(parser, ", or make it a factor by several values or a range")
     add_options(parser, Design, kind="--design", n="--n", seed="--seed")
     add_engine_to(parser)
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
@@ -53,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.dry_run:
         done = done_before(planned, arguments.out) if arguments.out else {}
         print(f"{counted(len(planned.runs), 'run')}, {len(done)} of them done before")
-        for one in planned.runs[:_DRY_SHOWN]:
-            print(f"{one.number:>5}  {one.key}  {with_values(one.values)}")
+        for entry in planned.runs[:_DRY_SHOWN]:
+            print(f"{entry.number:>5}  {entry.key}  {with_values(entry.values)}")
         if len(planned.runs) > _DRY_SHOWN:
             print(f"... and {len(planned.runs) - _DRY_SHOWN} more")
         return DONE
@@ -77,7 +78,7 @@ def _planned(arguments: argparse.Namespace) -> Plan:
         if several or made_of(arguments, Design) != Design():
             raise ValueError(
                 f"{arguments.model} is a study: its factors and its design are in the file; --set "
-                "takes one value a key here"
+                "takes one value per key here"
             )
         return study.plan({**FEW_FILES, **factors_of(given)[1]})
     return Definition(arguments.model, given, FEW_FILES, made_of(arguments, Design)).plan()

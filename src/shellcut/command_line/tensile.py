@@ -30,8 +30,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         text = f"{what} of strain (or extension) and of stress (or force)"
         parser.add_argument(name, metavar=("X", "Y"), nargs=2, required=True, help=text)
     for name, what, unit in (
-        ("--gauge-length", "length over which an extension was measured", "MM"),
-        ("--section", "width times thickness of the specimen, for a force", "MM2"),
+        ("--gauge-length", "length over which the extension was measured", "MM"),
+        ("--section", "width times thickness of the specimen, if Y is a force", "MM2"),
     ):
         parser.add_argument(name, metavar=unit, type=float, help=what)
     parser.add_argument(
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     kinds = "mm" if arguments.gauge_length else "-", "N" if arguments.section else "MPa"
     factors = [conversion(unit, kind) for unit, kind in zip(arguments.units, kinds, strict=True)]
     with naming(arguments.file):
-        x, y = table.numbers([table.column(one) for one in arguments.columns]).T
+        x, y = table.numbers([table.column(column) for column in arguments.columns]).T
         test = evaluate_tensile(
             x * factors[0],
             y * factors[1],

@@ -1,9 +1,9 @@
 """``view``: turn a run in 3-D in the browser; draw a frame or a movie.
 
 Without options, write a page to turn the run, move through its frames and read values, and open it
-in the browser; it loads nothing from the network. The suffix of --output says what is wanted: the
-page, a picture of a frame, or a movie of all, with the same camera and scale. Pictures need
-shellcut[plot], an MP4 shellcut[movie].
+in the browser; it loads nothing from the network. The suffix of --output selects the page, a
+picture of a frame, or a movie of all frames, with the same camera and scale. Pictures need
+shellcut-fem[plot], an MP4 shellcut-fem[movie].
 
 example: shellcut view out -o cut.mp4 --field thickness --elevation 25 --hide mesh
 """
@@ -47,7 +47,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         help="draw this frame, counted from 0, or from the end [-1, the last]",
     )
     parser.add_argument(
-        "--frames", metavar="N", type=int, help="most frames in page or movie, evenly spread [all]"
+        "--frames", metavar="N", type=int, help="number of frames in page or movie, at most [all]"
     )
     parser.add_argument("--fps", type=float, default=12.0, help="frames per second of the movie")
     parser.add_argument(
@@ -55,14 +55,14 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         type=int,
         metavar=("WIDTH", "HEIGHT"),
-        help="of a picture or movie [pixel] [1280 800; of an MP4 1920 1080, of others 960 540]",
+        help="size of picture or movie [pixel] [1280 800; an MP4 1920 1080, other movies 960 540]",
     )
     names = ("field", "low", "high", "colormap", "flat", "hide", "elevation", "azimuth", "zoom")
     add_options(parser, Look, **{name: f"--{name}" for name in names})
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write what is asked for, print its path and size, and open a page that has no name."""
+    """Write the file, print its path and size, and open a page that has no given name."""
     _check(arguments)
     results = read(arguments.out)
     look = made_of(arguments, Look)

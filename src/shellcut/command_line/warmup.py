@@ -18,7 +18,7 @@ from .exit_code import DONE
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument(
-        "models", nargs="*", metavar="MODEL", help=f"only for some of {', '.join(MODELS)}"
+        "models", nargs="*", metavar="MODEL", help=f"only for these of {', '.join(MODELS)}"
     )
 
 

@@ -349,7 +349,7 @@ def slopes_along(m: Vec3, xi: float, eta: float, q: Corners) -> tuple[float, flo
     A force F along m on a point at the distance d above the tangent plane has the moment d F (n x
     m) about the closest place. Forces F d N_b,m n at the nodes take it up, N_b,m being the slopes
     along m: their sum is zero, and sum N_b,m x_b = m. They are the part of the gradient of the
-    depth that comes from the turning of the tangent plane.
+    depth due to the turning of the tangent plane.
     """
     a1, a2 = tangents_at(q, xi, eta)
     g11, g12, g22 = dot(a1, a1), dot(a1, a2), dot(a2, a2)

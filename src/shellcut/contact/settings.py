@@ -108,9 +108,9 @@ class Contact:
         float | None,
         Option(
             "N/mm^3",
-            "lambda: a node of the area A has the stiffness lambda A, without bounds",
+            "lambda: a node of area A has the contact stiffness lambda A",
             above=0,
-            unset="1e4 for 74 um of 1678 MPa, as E h; lambda A is then 0.5 to 25 E h",
+            unset="1e4 for 74 um and 1678 MPa, in proportion to E h; lambda A is 0.5 to 25 E h",
         ),
     ] = None
     smoothing: Annotated[
@@ -123,32 +123,32 @@ class Contact:
         ),
     ] = 0.25
     friction: Annotated[
-        float, Option("", "Coulomb coefficient of tool and film; 0 for none", least=0)
+        float, Option("", "Coulomb coefficient between tool and film; 0 for none", least=0)
     ] = 0.0
     tool_points: Annotated[
-        bool, Option("", "whether the tool's corners and edges push between nodes")
+        bool, Option("", "whether the tool's corners and edges press between nodes")
     ] = True
     film_edges: Annotated[
         bool | None,
         Option(
             "",
-            "whether borders and flanks touch the tool's edges between nodes; how deep they go in "
-            "without is measured, and the verdict says so",
+            "whether borders and crack flanks touch the tool's edges between their nodes; without "
+            "it, their depth in the tool is measured and the verdict reports it",
             unset="in the opening test only",
         ),
     ] = None
     self_contact: Annotated[
-        bool, Option("", "whether film near cracks and loose pieces touch the film")
+        bool, Option("", "whether film near cracks, and loose pieces, touch the film")
     ] = False
     self_friction: Annotated[
-        float, Option("", "Coulomb coefficient of film and film; 0 for none", least=0)
+        float, Option("", "Coulomb coefficient between film and film; 0 for none", least=0)
     ] = 0.0
 
     def __post_init__(self) -> None:
         if self.self_friction and not self.self_contact:
             raise ValueError(
-                f"self_friction = {self.self_friction!r} needs self_contact = true: without it the "
-                "film does not touch itself; friction is that of the tool"
+                f"self_friction = {self.self_friction!r} needs self_contact = true: without it "
+                "the film does not touch itself; contact.friction is the coefficient with the tool"
             )
 
 

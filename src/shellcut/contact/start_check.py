@@ -81,7 +81,7 @@ def _first_direction(motion: Motion | None) -> Floats:
 
 
 def _cure(shift: Floats, reach: float) -> str:
-    slot = "leave a slot for it out of the film's mesh (a notch is closed, so it has no room)"
+    slot = "leave a slot for it out of the film's mesh (a notch has no width)"
     turn = (
         "turn it or the film: its axis, the direction of its motion or the film's plane "
         "([membrane] axis) may be wrong"

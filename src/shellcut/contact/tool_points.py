@@ -131,10 +131,10 @@ def _along_edges(
     lengths = np.linalg.norm(end - start, axis=1)
     if not lengths.sum() / spacing <= _MOST_POINTS:
         raise ValueError(
-            f"the edges of the tool must take {_MOST_POINTS:,} points at most that touch the film, "
-            f"got {lengths.sum():.4g} mm of edges with a point every {spacing:.3g} mm, as the "
-            "film's quads ask: is the unit of film or tool wrong? Enlarge the quads, or shorten "
-            "the tool"
+            f"the edges of the tool must need {_MOST_POINTS:,} contact points at most, got "
+            f"{lengths.sum():.4g} mm of edges with a point every {spacing:.3g} mm, which follows "
+            "from the size of the quads: is the unit of film or tool wrong? Enlarge the quads, or "
+            "shorten the tool"
         )
     pieces = np.maximum(np.ceil(lengths / spacing), 1).astype(int)
     of = np.repeat(np.arange(len(rows)), pieces + 1)

@@ -146,9 +146,9 @@ class FlankPenetration:
     def largest(self, state: State, pose: Pose) -> float:
         """Return by how much the border is deeper between the points that touch than is felt [mm].
 
-        What is felt is interpolated between its ends and its places, if these touch. Edges that the
-        blade goes through are left out: those with ends on both sides of it, or deeper below their
-        own side than half of the tool's thickness, and closer to the other.
+        What is felt is interpolated between its ends and its places, if these touch. Sides that the
+        blade passes through are left out: those with ends on both sides of it, or deeper below
+        their own side than half of the tool's thickness, and closer to the other.
         """
         contact, segments = self._contact, self._film.of(state)
         rows = segments.near(contact.near.ids)

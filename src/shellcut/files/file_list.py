@@ -54,7 +54,7 @@ class FileList:
         if foreign:
             more = f" and {n} more" if (n := len(foreign) - _MOST_NAMED) > 0 else ""
             who = "this run" if self._record == FILES else "shellcut"
-            by = "no run" if self._record == FILES else "no command of it"
+            by = "no run" if self._record == FILES else "none of its commands"
             raise FileExistsError(
                 f"{self._folder} has {', '.join(foreign[:_MOST_NAMED])}{more}, which {who} would "
                 f"replace although {by} wrote it ({self._record} does not list it): move it away, "
@@ -94,8 +94,8 @@ class FileList:
             if name not in self.names or _leads_away(self._folder, name):
                 continue
             path = self._folder / name
-            for one in (path, *unfinished(path)):
-                one.unlink(missing_ok=True)
+            for place in (path, *unfinished(path)):
+                place.unlink(missing_ok=True)
             if path.parent != self._folder:
                 try:
                     path.parent.rmdir()
@@ -188,5 +188,5 @@ def _read(folder: Path, record: str) -> list[str] | None:
 
 
 def _leads_away(folder: Path, name: str) -> bool:
-    """Whether a link lies on the way from a folder to a file in it."""
+    """Whether a link lies on the path from a folder to a file in it."""
     return any((folder / above).is_symlink() for above in PurePosixPath(name).parents if above.name)

@@ -42,9 +42,9 @@ class FolderInUse(OSError):
 
 
 class FolderLock:
-    """The lock on an existing folder, held until it is closed or the process ends.
+    """The lock on an existing folder, kept until it is closed or the process ends.
 
-    Raises FolderInUse if another run, of this or another process, holds it, and FileExistsError if
+    Raises FolderInUse if another run, of this or another process, has it, and FileExistsError if
     ``run.lock`` is a file of another origin.
     """
 
@@ -187,8 +187,8 @@ def _holder(file: Any) -> tuple[str, str]:
     wait = "wait until that run ends, or stop it"
     try:
         file.seek(0)
-        told = json.loads(file.read())
-        process, host, since = (told[name] for name in ("process", "host", "since"))
+        owner = json.loads(file.read())
+        process, host, since = (owner[name] for name in ("process", "host", "since"))
     except (OSError, ValueError, KeyError, TypeError):  # being written just now, or unreadable
         return "another process", wait
     me = _myself()

@@ -84,15 +84,15 @@ class HdfTarget(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         """Read what is there, from disk or memory."""
-        room = memoryview(buffer).cast("B")
-        end = min(self._at + len(room), self._size())
+        target = memoryview(buffer).cast("B")
+        end = min(self._at + len(target), self._size())
         n = max(end - self._at, 0)
         stored = self._stored(self._at, n)
-        room[:n] = stored + bytes(n - len(stored))
+        target[:n] = stored + bytes(n - len(stored))
         for first, data in self._in_memory:
             low, high = max(first, self._at), min(first + len(data), end)
             if low < high:
-                room[low - self._at : high - self._at] = data[low - first : high - first]
+                target[low - self._at : high - self._at] = data[low - first : high - first]
         self._at += n
         return n
 
@@ -125,7 +125,7 @@ class HdfTarget(io.RawIOBase):
         return size
 
     def flush(self) -> None:
-        """Do nothing: each write goes to the system at once."""
+        """Do nothing: each write is passed to the system at once."""
 
     # ------------------------------------------------------------------ parts
 

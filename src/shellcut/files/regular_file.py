@@ -69,5 +69,5 @@ def require_regular(path: str | os.PathLike[str]) -> None:
 def _check_kind(path: str | os.PathLike[str], mode: int) -> None:
     for is_kind, words in _OTHER_KINDS:
         if is_kind(mode):
-            told = f"must be a regular file, got {words}; save it as a file first"
-            raise NotRegularError(errno.EINVAL, told, os.fspath(path))
+            said = f"must be a regular file, got {words}; save it as a file first"
+            raise NotRegularError(errno.EINVAL, said, os.fspath(path))

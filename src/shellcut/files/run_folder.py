@@ -7,7 +7,7 @@
 ``NAME.vtkhdf``         the frames, :mod:`shellcut.results.vtkhdf`
 ``snapshot_00.png`` ..  pictures of the film during the run
 ``checkpoint.h5``       state to resume from, :mod:`shellcut.recording.checkpoint`
-``summary.json``        figures, when it ends, :mod:`shellcut.recording.run_summary`
+``summary.json``        results, when it ends, :mod:`shellcut.recording.run_summary`
 ``splits.csv``          every split, when it ends, :mod:`shellcut.results.history`
 ``torque.png``          or ``force.png``, and ``energy.png``: curves, when it ends
 ``used.toml``           of runs of model files: the model with all defaults filled in

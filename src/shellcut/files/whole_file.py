@@ -19,7 +19,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import BinaryIO, Literal
 
-# Windows has neither; there the look at the link before opening has to do.
+# Windows has neither; there the check of the link before opening is all.
 _FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 _MOST_OF_STEM = 40  # characters: a temporary name must not be too long where the name is not
@@ -39,7 +39,7 @@ def unfollowed(path: str, flags: int) -> int:
     file = os.open(path, flags | _FLAGS, 0o666)
     if not stat.S_ISREG(os.fstat(file).st_mode):
         os.close(file)
-        raise OSError(f"{path} must be a regular file: move what has its name away")
+        raise OSError(f"{path} must be a regular file: move away what has this name now")
     return file
 
 

@@ -125,7 +125,7 @@ class _Reader(Deck):
             return
         part = keyword.parameters.get("PART", "")
         if part and part.upper() not in self.parts:
-            names = named(sorted(one.name for one in self.parts.values())) or "none"
+            names = named(sorted(scope.name for scope in self.parts.values())) or "none"
             raise keyword.error(f"the part must be one of {names}, got {part!r}")
         self.instance = Instance(name, part.upper(), _transform(keyword), Scope(name))
         self.instances[name.upper()] = self.instance
@@ -215,8 +215,8 @@ class _Reader(Deck):
                 step = line.integer(2) if len(line.entries) > 2 and line.entries[2] else 1
                 if step < 1 or last < first or (last - first) % step:
                     raise line.error(
-                        "GENERATE must go from a first id up to a last one by a step that divides "
-                        f"the difference, got {first}, {last}, {step}"
+                        "GENERATE must have a first id, a last id and a step that divides their "
+                        f"difference, got {first}, {last}, {step}"
                     )
                 self.budget.take("ids in its sets", (last - first) // step + 1)
                 entries.append(Entry(line, range(first, last + 1, step), instance=instance))
@@ -233,7 +233,7 @@ class _Reader(Deck):
             for key, part in self.parts.items():
                 still = np.eye(3), np.zeros(3)
                 self.instances[key] = Instance(part.name, key, still, Scope(part.name))
-        scopes = [self.parts[one.part] for one in self.instances.values() if one.part]
+        scopes = [self.parts[each.part] for each in self.instances.values() if each.part]
         self.budget.take(
             "nodes and elements with those of all instances",
             sum(len(scope.nodes) + len(scope.elements) for scope in scopes),

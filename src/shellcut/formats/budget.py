@@ -36,7 +36,7 @@ class Budget:
     >>> Budget(Path("film.inp")).take("ids in its sets", 10**12)
     Traceback (most recent call last):
     ...
-    shellcut.formats.errors.FileError: film.inp: it must make 50,000,000 ids in its sets at ...
+    shellcut.formats.errors.FileError: film.inp: it must have 50,000,000 ids in its sets at ...
     """
 
     def __init__(self, path: Path):
@@ -49,7 +49,7 @@ class Budget:
         if (made := self._made[what]) > LIMITS[what]:
             shown = f"{made:,}" if made < _SHOWN else f"about 10^{len(str(made)) - 1}"
             raise FileError(
-                self.path, f"it must make {LIMITS[what]:,} {what} at most, got {shown}: {remedy}"
+                self.path, f"it must have {LIMITS[what]:,} {what} at most, got {shown}: {remedy}"
             )
 
     def descend(self, what: str, level: int) -> None:

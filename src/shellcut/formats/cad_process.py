@@ -25,7 +25,7 @@ DEVIATIONS = (1e-5, 0.1)
 nothing of a curved face is left."""
 
 LARGEST = 1e7
-"""Diagonal beyond which a face has no end [mm], as OpenCASCADE reads faces without a rim."""
+"""Diagonal beyond which a face has no end [mm], as OpenCASCADE reads faces without a border."""
 
 MOST_TRIANGLES = 2_000_000
 """Limit of a surface."""
@@ -48,7 +48,7 @@ def main(path: str, out: str, deviation: str, scale: str) -> None:
     notes: list[str] = []
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
-    if Path(path).suffix.lower() in (".step", ".stp"):  # IGES comes in mm by itself
+    if Path(path).suffix.lower() in (".step", ".stp"):  # IGES is read in mm anyway
         gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     try:
         chord = _opened(gmsh, path, float(deviation) / float(scale), float(scale))
@@ -117,13 +117,13 @@ def _refusals(gmsh: Any) -> list[str]:
         if len(gmsh.model.occ.getSurfaceLoops(solid)[0]) > 1
     ]
     boxes = {solid: gmsh.model.getBoundingBox(3, solid) for solid in solids}
-    for one, other in combinations(solids, 2):
-        a, b = boxes[one], boxes[other]
+    for first, second in combinations(solids, 2):
+        a, b = boxes[first], boxes[second]
         beside = any(a[k] > b[k + 3] or b[k] > a[k + 3] for k in range(3))
         # OpenCASCADE counts the inside of a solid as the solid
-        if not beside and gmsh.model.occ.getDistance(3, one, 3, other)[0] == 0.0:
+        if not beside and gmsh.model.occ.getDistance(3, first, 3, second)[0] == 0.0:
             found.append(
-                f"solids {one} and {other} touch or overlap: unite them in the CAD program"
+                f"solids {first} and {second} touch or overlap: unite them in the CAD program"
             )
     return found
 

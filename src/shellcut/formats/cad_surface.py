@@ -1,10 +1,10 @@
 """STEP and IGES files, triangulated by Gmsh's OpenCASCADE kernel: :func:`read_cad`.
 
-The kernel goes by the definition of a unit of STEP, never by its name: an SI prefix, or a number
+The kernel uses the definition of a unit of STEP, never by its name: an SI prefix, or a number
 of such units (``CONVERSION_BASED_UNIT``). What it cannot resolve it takes for millimetres; such a
 file is refused here.
 
-Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL). Each face has vertices of its
+Gmsh is an optional extra (``pip install 'shellcut-fem[mesh]'``, GPL). Each face has vertices of its
 own; :mod:`shellcut.tool.surface_repair` joins them.
 """
 
@@ -153,9 +153,9 @@ def _of_step(path: Path, content: bytes) -> list[float]:
             called = f" {name.decode('latin-1')!r}" if name else ""
             raise FileError(
                 path,
-                f"its unit of length{called}, #{tag.decode()}, must be a metre with a prefix, or a "
-                "number of these above 0: other units OpenCASCADE takes for mm; write the file in "
-                "mm",
+                f"its unit of length{called}, #{tag.decode()}, must be a metre with a prefix, or "
+                "a number of these above 0: OpenCASCADE reads other units as mm; write the file "
+                "in mm",
             )
         lengths.add(float(f"{length:.12g}"))  # 0.0254 of a metre is 25.4 mm
     return sorted(lengths)
@@ -167,16 +167,16 @@ def _of_iges(path: Path, section: bytes) -> list[float]:
     separator, at = ",", 0
     # Parameters are texts, written 4Habcd, or numbers; the first one is the separator itself.
     while at < len(text) and len(values) <= _FLAG + 1:
-        held = re.match(r"\s*(\d+)H", text[at:])
-        if held:
-            start = at + held.end()
-            value = text[start : start + int(held[1])]
-            at = start + int(held[1]) + 1
+        string = re.match(r"\s*(\d+)H", text[at:])
+        if string:
+            start = at + string.end()
+            value = text[start : start + int(string[1])]
+            at = start + int(string[1]) + 1
         else:
             ends = text.find(separator, at), text.find(";", at), len(text)
             end = min(k for k in ends if k >= 0)
             value, at = text[at:end].strip(), end + 1
-        if not values and held:
+        if not values and string:
             separator = value
         values.append(value)
     flag, name = [*values[_FLAG : _FLAG + 2], "", ""][:2]
@@ -188,6 +188,6 @@ def _of_iges(path: Path, section: bytes) -> list[float]:
             path,
             f"the flag of its unit must be 1 to {max(_IGES_FLAGS)}, or 3 with a name among "
             f"{', '.join(filter(None, _IGES_NAMES))}, got {flag!r} and {name.strip()!r}: "
-            "OpenCASCADE takes others for mm; write the file in mm",
+            "OpenCASCADE reads others as mm; write the file in mm",
         )
     return [_IGES_FLAGS[number]]

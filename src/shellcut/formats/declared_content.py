@@ -12,7 +12,7 @@ from .errors import FileError, counted, read_bytes
 
 
 class Content:
-    """The content of a file on the way from its first byte to its last.
+    """The content of a file, read from its first byte to its last.
 
     What is not there, or is no number where one must be, is a FileError.
     """

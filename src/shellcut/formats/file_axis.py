@@ -14,7 +14,7 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 FileAxis: TypeAlias = Annotated[
     str | Sequence[float],
-    Option("", "direction in the file that becomes z, by the shortest turn", form="direction"),
+    Option("", "direction in the file that becomes z, by the smallest rotation", form="direction"),
 ]
 
 

@@ -38,7 +38,7 @@ class CellBlock:
     nodes: Ints
     """Node numbers, shape (n, k); (n, 0) for kinds that are only counted."""
     corners: str = ""
-    """Of a quadratic kind: the one that its first nodes make; the next are those of the sides."""
+    """For a quadratic kind: the kind of its first nodes; the next nodes are those of the sides."""
 
 
 @dataclass
@@ -72,13 +72,13 @@ class Numbering:
         self.labels = np.asarray(labels, dtype=np.int64)
         order = np.argsort(self.labels, kind="stable")
         again = np.flatnonzero(np.diff(self.labels[order]) == 0)
-        one, other = order[again], order[again + 1]
+        first, second = order[again], order[again + 1]
         # a node that is written again at the same place is the same node
-        differs = np.ones(len(one), np.bool_)
+        differs = np.ones(len(first), np.bool_)
         if places is not None:
-            differs = (places[one] != places[other]).any(axis=1)
+            differs = (places[first] != places[second]).any(axis=1)
         if differs.any():
-            ids = np.unique(self.labels[one[differs]])
+            ids = np.unique(self.labels[first[differs]])
             at = "" if places is None else ", or twice at one place"
             raise FileError(path, f"each {what} id must occur once{at}, got {named(ids)} again")
         self._order = np.delete(order, again + 1)

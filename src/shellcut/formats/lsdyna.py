@@ -127,15 +127,15 @@ class _Reader(Deck):
         self.unused[f"*{block.name}"] += 1
 
     def _nodes(self, block: CardBlock) -> None:
-        n_held = 0
+        n_constrained = 0
         for card in block.data:
             entries = card.fields(_NODE[block.layout])
             if not any(entries):
                 continue
             self.node_ids.append(_id(card, entries[0], "the node id"))
             self.positions.append([card.decimal(e, "a coordinate") for e in entries[1:4]])
-            n_held += any(entry.strip("0.") for entry in entries[4:])
-        self.unused["constraints TC, RC on cards of nodes"] += n_held
+            n_constrained += any(entry.strip("0.") for entry in entries[4:])
+        self.unused["constraints TC, RC on cards of nodes"] += n_constrained
 
     def _shells(self, block: CardBlock) -> None:
         options = [option for option in block.name.split("_")[2:] if option]

@@ -100,8 +100,8 @@ class NumberTable:
         if len(mark) == 2:
             (point, at), (comma, there) = mark["."], mark[","]
             problems.append(
-                f"decimals must be written one way, got {point!r} in line {at} and {comma!r} in "
-                f"line {there}; thousands separators are not read"
+                f"all numbers must have the same decimal sign, got {point!r} in line {at} and "
+                f"{comma!r} in line {there}; thousands separators are not read"
             )
         if problems:
             more = len(problems) - _MOST_PROBLEMS
@@ -196,7 +196,7 @@ def read_number_table(path: str | Path) -> NumberTable:
 def split_heading(text: str) -> Heading:
     """Split a heading into name and unit.
 
-    The unit stands in brackets, ``torque [N*mm]`` or ``torque (N*mm)``, or at the end,
+    The unit is in brackets, ``torque [N*mm]`` or ``torque (N*mm)``, or at the end,
     ``torque / N*mm``, ``Strain, %``, ``Stress MPa``, ``Kraft in N``; at the end without a slash,
     and in front as in ``% strain``, only known units count.
 
@@ -234,7 +234,7 @@ def split_heading(text: str) -> Heading:
 
 
 def _is_unit(text: str) -> bool:
-    # a number is none, though 1 is a way to write the unit of ratios
+    # a number is none, though 1 is also written as the unit of ratios
     return not text[:1].isdecimal() and text[:2] != "- " and dimension(text) is not None
 
 
@@ -334,12 +334,12 @@ def _heading_cells(text: str, separator: str, n: int) -> list[str]:
     if separator == " ":
         # "angle [deg]" is one cell; so are words with one blank if cells are separated by two.
         text = re.sub(r"[,;](?=\s|$)", "", text)
-        ways = [re.split(r"\s+(?![\[(])", text.strip()), re.split(r"\s{2,}|\t", text.strip())]
-        ways.append(re.split(r"(?<=[\])])\s+", text.strip()))
+        splits = [re.split(r"\s+(?![\[(])", text.strip()), re.split(r"\s{2,}|\t", text.strip())]
+        splits.append(re.split(r"(?<=[\])])\s+", text.strip()))
     else:
         cells = _cells(text, separator)
-        ways = [cells, cells[:-1] if not cells[-1] else cells]
-    names, units = ways[0][::2], ways[0][1::2]
+        splits = [cells, cells[:-1] if not cells[-1] else cells]
+    names, units = splits[0][::2], splits[0][1::2]
     if len(units) == n and all(map(dimension, units)):  # "Strain, %, Stress, MPa"
-        ways.append([f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)])
-    return next((cells for cells in ways if len(cells) == n and any(cells)), [])
+        splits.append([f"{name} [{unit}]" for name, unit in zip(names, units, strict=False)])
+    return next((cells for cells in splits if len(cells) == n and any(cells)), [])

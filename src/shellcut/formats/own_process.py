@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.files.distribution import pip_install
+
 from .errors import FileError
 
 LONGEST = 600.0
@@ -48,14 +50,13 @@ class GmshProcess:
         """
         if importlib.util.find_spec("gmsh") is None:
             raise ImportError(
-                f"{self.task} needs Gmsh, an optional extra under the GPL: "
-                "pip install 'shellcut[mesh]'"
+                f"{self.task} needs Gmsh, an optional extra under the GPL: {pip_install('mesh')}"
             )
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "answer.npz"
             self._run(path, str(out), *arguments)
-            with np.load(out) as held:
-                return dict(held)
+            with np.load(out) as answer:
+                return dict(answer)
 
     def _run(self, path: Path, *arguments: str) -> None:
         command = [sys.executable, "-X", "utf8", "-c", _START, self.script, str(path.resolve())]

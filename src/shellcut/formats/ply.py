@@ -54,10 +54,10 @@ class _Reader(Content):
             first = self.content[: self.at].count(b"\n") + 1
             lines = [line.split() for line in self.content[self.at :].splitlines()]
             self.tokens = [token for line in lines for token in line]
-            held = [(number, line) for number, line in enumerate(lines, first) if line]
-            if len(held) == sum(element.count for element in self.elements):
-                n_value = accumulate(len(line) for _, line in held)
-                ends = [(number, n) for (number, _), n in zip(held, n_value, strict=True)]
+            numbered = [(number, line) for number, line in enumerate(lines, first) if line]
+            if len(numbered) == sum(element.count for element in self.elements):
+                n_value = accumulate(len(line) for _, line in numbered)
+                ends = [(number, n) for (number, _), n in zip(numbered, n_value, strict=True)]
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
         n_row = row_size = 0

@@ -34,11 +34,11 @@ def read_stl(path: str | Path) -> SurfaceFile:
         notes = [f"{counted(over, 'byte')} after its last triangle: not read"] if over else []
         return SurfaceFile(path, corners.reshape(-1, 3), _in_order(declared), notes)
     if content.lstrip()[:5].lower() != b"solid" or b"\0" in content:
-        held = (len(content) - start) / _RECORD.itemsize
+        n_record = (len(content) - start) / _RECORD.itemsize
         raise FileError(
             path,
-            f"an STL file must begin with 'solid' or hold as many triangles as it declares, got "
-            f"{max(declared, 0)} declared and room for {max(held, 0.0):.6g}; is it cut short?",
+            "an STL file must begin with 'solid' or hold as many triangles as it declares, got "
+            f"{max(declared, 0)} declared and data for {max(n_record, 0.0):.6g}; is it cut short?",
         )
     points = _text_corners(path)
     return SurfaceFile(path, points, _in_order(len(points) // 3))

@@ -38,7 +38,7 @@ def surface_of_polygons(
 ) -> SurfaceFile:
     """Return a surface, with polygons cut into triangles from their first corners.
 
-    One of more than three corners must be convex: cut in this way another would overlap itself.
+    A polygon of more than three corners must be convex: the triangles of another would overlap.
     """
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     if not polygons:

@@ -1,7 +1,7 @@
 """VTK files: cells, and integer arrays as groups.
 
 meshio reads them. What it cannot (other versions, LZ4, .vtp, polygons of legacy files, several
-pieces, ...) is refused, with the way to convert it.
+pieces, ...) is refused, with a hint how to convert it.
 
 An integer or boolean array on points or cells becomes groups: one with the array's name if it
 contains only 0 and 1, otherwise ``name_7`` and the like for each value.
@@ -118,13 +118,13 @@ def _mesh_of(path: Path, mesh: Any) -> FileMesh:
 
 def _cause(reason: BaseException) -> str:
     """Return in words why meshio failed; many of its errors have no text."""
-    told = reason
-    while told is not None and not str(told):
-        told = told.__cause__ or told.__context__  # type: ignore[assignment]
-    if isinstance(told, KeyError):
-        return f"there must be {told.args[0]!r}, but it is missing"
-    if told is not None:
-        return f"{type(told).__name__}: {told}"
+    cause = reason
+    while cause is not None and not str(cause):
+        cause = cause.__cause__ or cause.__context__  # type: ignore[assignment]
+    if isinstance(cause, KeyError):
+        return f"there must be {cause.args[0]!r}, but it is missing"
+    if cause is not None:
+        return f"{type(cause).__name__}: {cause}"
     place = "reading"
     for frame, _ in traceback.walk_tb(reason.__traceback__):
         if "meshio" in frame.f_code.co_filename:

@@ -32,12 +32,12 @@ from .quad_polygon import Point
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Anisotropy:
-    """How much of the law's strength and energy a crack meets, by its direction.
+    """Factor on the law's strength and energy by the direction of a crack.
 
     Parameters
     ----------
     direction : sequence of float
-        MD in the reference film, of any length; its part in the sheet counts.
+        Machine direction in the reference film, of any length; its part in the sheet counts.
 
     Raises
     ------

@@ -62,17 +62,17 @@ class Cracks:
     state : State
         Before the first cut.
     fracture : Fracture
-        How they start and run.
+        How cracks start and run.
     law : CohesiveTable
-        Of the cables that join the two sides of a cut.
+        Law of the cables that join the two flanks of a cut.
     shell, loads : MITC4Shell, LoadSet
         Give the forces that hold a film together.
     tool, motion : Tool, Motion, optional
         Whose edges cut, and how they move.
     points : PointContact, optional
-        By which the tool presses on the sheet.
+        Points by which the tool presses on the sheet.
     moved : FilmMotion, optional
-        Of a film that its supports move.
+        Motion of a film that its supports move.
     terms : sequence of ForceTerm
         Those that may put forces on the nodes from single rows.
     """
@@ -94,7 +94,7 @@ class Cracks:
         if fibres is None:
             fibres = BEFORE_AN_EDGE if tool is not None and tool.n_edge else AT_ENDS
         self.cuts = Cuts(state, shell, law, anisotropy, loads=loads, fibres=fibres)
-        """Carries them out."""
+        """Carries out the cuts."""
         self._check_every = fracture.check_every
         self._shell, self._loads = shell, loads
         self._known = KnownTopology()
@@ -116,15 +116,14 @@ class Cracks:
         self._direction = FreeDirection(shell, self._film, law, anisotropy)
         puncture = Puncture.of(shell.material, law)
         self.bending_length = puncture.length
-        """Over which the film bends where its tension is the strength [mm]."""
-        self._pierce: Pierce | None = None
-        self._drive: BladeDrive
+        """Length over which the film bends where its tension is the strength [mm]."""
         self._watch: TipWatch
-        # A tool without cutting edges drives no crack and begins none, nor does any tool by
-        # ``blade_cut=False``: then all cracks are tears, and there is no watch.
-        if tool is not None and tool.n_edge and motion is not None and fracture.blade_cut:
+        self._pierce: Pierce
+        has_edge = tool is not None and tool.n_edge > 0 and motion is not None
+        self._blade_cuts = has_edge and fracture.blade_cut
+        """Whether cutting edges drive cracks and begin cuts; if not, all cracks are tears."""
+        if tool is not None and motion is not None and self._blade_cuts:
             drive = BladeDrive(CuttingEdges.of(tool), motion, moved)
-            self._drive = drive
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
             limits = PierceLimits(puncture, law.strength, fracture.puncture_force)
             self._pierce = Pierce(state, self.growth, drive, shell, limits, points, tool, motion)
@@ -145,7 +144,7 @@ class Cracks:
         """
         if state.step % self._check_every:
             return
-        if self._pierce is None:
+        if not self._blade_cuts:
             self._advance_free(state, list(self.growth.tips))
             return
         # An edge may pass several quads between two checks: again until no tip is due.
@@ -227,7 +226,7 @@ class Cracks:
         return {
             "cuts": self.cuts.saved(),
             "tips": saved_tips(self.growth.tips),
-            "near": {} if self._pierce is None else self._pierce.saved(),
+            "near": self._pierce.saved() if self._blade_cuts else {},
             "n_borrowed": 0 if self.stress is None else self.stress.n_borrowed,
         }
 
@@ -235,7 +234,7 @@ class Cracks:
         """Take over :meth:`saved`; ``state`` is restored already."""
         self.cuts.restore(saved["cuts"])
         self.growth.tips = restored_tips(saved["tips"])
-        if self._pierce is not None:
+        if self._blade_cuts:
             self._pierce.restore(saved["near"])
         if self.stress is not None:
             self.stress.n_borrowed = saved["n_borrowed"]

@@ -40,7 +40,7 @@ _SAME = 1e-6
 
 
 class DrawnFilm(NamedTuple):
-    """Points, polygons and crack edges of a film."""
+    """Points, polygons and crack flanks of a film."""
 
     nodes: Ints
     """Nodes that each point is interpolated from, shape (n_point, 4)."""

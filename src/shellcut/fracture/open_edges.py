@@ -18,7 +18,7 @@ def boundary_edges(state: State) -> Ints:
 
 
 def crack_edges(polygons: Ints, origin: Ints) -> Ints:
-    """Return the crack edges of a film of polygons as their two flank copies, shape (n, 2, 2).
+    """Return the sides along cracks, as their copies on the two flanks, shape (n, 2, 2).
 
     The point order of both copies is that of the reference edge.
 

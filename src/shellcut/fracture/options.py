@@ -36,7 +36,7 @@ _ONLY_ALONG_EDGES = "criterion", "blade_cut", "turn_limit_deg", "equilibrium_sta
 _ONLY_THROUGH_QUADS = ("anisotropy",)
 
 
-NO_IMPRINT = "cracks run through the quads of any mesh: take path = 'free', or leave it out"
+NO_IMPRINT = "cracks run through the quads of any mesh: set path = 'free', or leave it out"
 """What to write for the path ``"imprint"`` of earlier versions."""
 
 
@@ -45,9 +45,9 @@ NO_IMPRINT = "cracks run through the quads of any mesh: take path = 'free', or l
 class Fracture:
     """How cracks start and run.
 
-    Left out, the path is ``"free"``, or ``"edges"`` where another option exists for these only:
-    ``criterion``, ``blade_cut``, ``turn_limit_deg`` or ``equilibrium_start`` that differ from their
-    defaults. A ready model accepts ``"edges"`` too where edges lie under the whole path.
+    By default the path is ``"free"``, but ``"edges"``, along sides of quads, if an option for these
+    only differs from its default: ``criterion``, ``blade_cut``, ``turn_limit_deg``,
+    ``equilibrium_start``; in a ready model also if sides lie under the whole path.
 
     Parameters
     ----------
@@ -63,15 +63,15 @@ class Fracture:
     ('free', 'edges')
     """
 
-    criterion: Annotated[Measure, Option("", "what at its tip makes a crack run")] = "force"
+    criterion: Annotated[Measure, Option("", "what makes a crack advance at its tip")] = "force"
     blade_cut: Annotated[
-        bool, Option("", "whether the blade cuts what it goes through and has passed")
+        bool, Option("", "whether the blade cuts the film that it has passed through")
     ] = True
     turn_limit_deg: Annotated[
         float,
         Option(
             "deg",
-            "largest turn of a crack along edges that no blade drives, from its last edge",
+            "largest angle from a crack's last quad side to the next, where no blade drives it",
             above=0,
             below=180,
         ),
@@ -81,16 +81,16 @@ class Fracture:
         bool,
         Option(
             "",
-            "start cables of a crack along edges with the force that its node carried, fading as "
-            "they open",
+            "start cables of a crack along quad sides with the force that its node carried, which "
+            "fades as they open",
         ),
     ] = False
     path: Annotated[
         Path | None,
         Option(
             "",
-            "where cracks run: free through the quads, or along edges",
-            unset="edges if they lie under the whole path or another option needs them, else free",
+            "where cracks run: free through the quads, or along their sides (edges)",
+            unset="edges if sides lie under the whole path or another option needs it, else free",
         ),
     ] = None
     anisotropy: Anisotropy | None = None
@@ -98,7 +98,7 @@ class Fracture:
         int | None,
         Option(
             "",
-            "cables across a quad or side that is cut, evenly along it; 0: one at each end",
+            "cables across a quad or side that is cut, evenly spaced; 0: one at each end",
             least=0,
             unset="6 where a tool has cutting edges, else 0",
         ),
@@ -107,10 +107,10 @@ class Fracture:
         float | None,
         Option(
             "N",
-            "on the tip of a cutting edge, end, apex or lowest place of an arc, at which it "
-            "pierces whole film",
+            "force at which the tip of a cutting edge (its end, its apex or the lowest place of "
+            "an arc) pierces uncut film",
             above=0,
-            unset="from thickness, strength and the radii of the edge",
+            unset="from thickness, strength and the radii of the cutting edge",
         ),
     ] = None
 
@@ -127,16 +127,16 @@ class Fracture:
                 yield (f"path = 'free' fits {name} = {needed!r} only, got {getattr(self, name)!r}")
         elif self.path is not None:
             for name in of_quads:
-                yield f"{name} is of cracks through the quads only: take path='free'"
+                yield f"{name} is for cracks through the quads only: take path='free'"
         elif of_edges and of_quads:
             yield (
-                f"{', '.join(of_edges)} must be left out, of cracks along edges only, or "
-                f"{', '.join(of_quads)}, of cracks through the quads only"
+                f"leave out {', '.join(of_edges)}, for cracks along quad sides only, or "
+                f"{', '.join(of_quads)}, for cracks through the quads only"
             )
 
     @property
     def only_along_edges(self) -> tuple[str, ...]:
-        """Names of the options that exist for cracks along edges only and are set."""
+        """Names of the options that are set and exist for cracks along quad sides only."""
         return self._set_of(_ONLY_ALONG_EDGES)
 
     @property

@@ -207,8 +207,8 @@ def divide(polygon: Polygon, start: Point, end: Point) -> tuple[Polygon, Polygon
     to_right, to_left = (j - i) % n, (i - j) % n
     if to_right < 2 or to_left < 2:
         raise ValueError(
-            f"a chord must divide the polygon in two, the one from {start} to {end} runs along an "
-            f"edge of {polygon.points}"
+            f"a chord must divide the polygon in two, the one from {start} to {end} runs along a "
+            f"side of {polygon.points}"
         )
     right = [(i + k) % n for k in range(to_right + 1)]
     left = [(j + k) % n for k in range(to_left + 1)]

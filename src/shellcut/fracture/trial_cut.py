@@ -22,7 +22,7 @@ behind has parted,
 
     (5)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
 
-The reasons: ``docs/theory/free-cracks.md`` (*When a crack goes on*), ``docs/theory/tears.md``.
+The reasons: ``docs/theory/free-cracks.md`` (*When a crack advances*), ``docs/theory/tears.md``.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class TrialCut:
         terms: Sequence[ForceTerm] = (),
     ) -> None:
         self.topology, self._shell = topology, shell
-        self._sources = (loads, *terms)
+        self._sources: tuple[LoadSet | ForceTerm, ...] = (loads, *terms)
         self.anisotropy, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""

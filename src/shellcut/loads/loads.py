@@ -46,7 +46,7 @@ class Gravity:
     >>> load = Gravity((0.0, 0.0, -9810.0))
     """
 
-    acceleration: Annotated[Sequence[float], Option("mm/s^2", "times mass", form="3 numbers")]
+    acceleration: Annotated[Sequence[float], Option("mm/s^2", "force over mass", form="3 numbers")]
     factor: Factor = steady
 
 
@@ -63,8 +63,8 @@ class Pressure:
     >>> load = Pressure(0.01, following=True)  # 10 kPa
     """
 
-    value: Annotated[float, Option("MPa", "towards the directors' side")]
-    following: Annotated[bool, Option("", "turns and stretches with the surface")] = False
+    value: Annotated[float, Option("MPa", "positive towards the side of the directors")]
+    following: Annotated[bool, Option("", "whether it follows the surface")] = False
     quads: Annotated[str | None, Option("", "quad set", unset="all quads")] = None
     factor: Factor = steady
 
@@ -80,7 +80,7 @@ class NodalForce:
     """
 
     nodes: NodeChoice
-    force: Annotated[Sequence[float], Option("N", "on each", form="3 numbers")]
+    force: Annotated[Sequence[float], Option("N", "force on each node", form="3 numbers")]
     factor: Factor = steady
 
 
@@ -97,14 +97,14 @@ class NodalMoment:
     """
 
     nodes: NodeChoice
-    moment: Annotated[Sequence[float], Option("N*mm", "on each", form="3 numbers")]
+    moment: Annotated[Sequence[float], Option("N*mm", "moment on each", form="3 numbers")]
     factor: Factor = steady
 
 
 @checked
 @dataclass(frozen=True)
 class EdgeTraction:
-    """Dead force per reference length [N/mm] on the boundary edges between nodes of a set.
+    """Dead force per reference length [N/mm] on the sides of the border between nodes of a set.
 
     Examples
     --------
@@ -112,7 +112,7 @@ class EdgeTraction:
     """
 
     nodes: NodeChoice
-    traction: Annotated[Sequence[float], Option("N/mm", "dead", form="3 numbers")]
+    traction: Annotated[Sequence[float], Option("N/mm", "force over length", form="3 numbers")]
     factor: Factor = steady
 
 
@@ -240,7 +240,7 @@ def _loaded_sides(mesh: Mesh, load: EdgeTraction) -> tuple[Ints, Ints, Floats]:
     loaded = chosen[pair].all(axis=2) & (count[inverse].reshape(key.shape) == 1)
     if not loaded.any():
         raise ValueError(
-            f"an edge traction needs boundary edges between its nodes, found none in {load.nodes!r}"
+            f"an edge traction needs quad sides on the border, found none in {load.nodes!r}"
         )
     quads, side = np.nonzero(loaded)
     length = np.linalg.norm(

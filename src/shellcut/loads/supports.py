@@ -97,10 +97,10 @@ class Support:
         "xyz"
     )
     velocity: Annotated[
-        Mapping[str, Rate], Option("mm/s", "of supported axes", form="rates", unset="at rest")
+        Mapping[str, Rate], Option("mm/s", "along supported axes", form="rates", unset="at rest")
     ] = field(default_factory=dict)
     spin: Annotated[
-        Mapping[str, Rate], Option("rad/s", "of supported axes", form="rates", unset="at rest")
+        Mapping[str, Rate], Option("rad/s", "about supported axes", form="rates", unset="at rest")
     ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -113,7 +113,7 @@ class Support:
             if loose:
                 problems.append(
                     f"{moved} is prescribed along {sorted(loose)}, which {name} {axes!r} does not "
-                    "hold: add these axes to it"
+                    "support: add these axes to it"
                 )
             problems += [
                 f"{moved} along {axis} must be a function of time, got {rate!r}: for a constant "
@@ -197,7 +197,7 @@ class SupportSet:
                 clash = [n for n in ids.tolist() if (n, c) in moved]
                 if clash:
                     raise ValueError(
-                        f"one support holds what another moves, the {_NAMES[c]} of nodes "
+                        f"one support fixes what another moves, the {_NAMES[c]} of nodes "
                         f"{clash[:5]}: take these nodes or this axis out of one of them"
                     )
 

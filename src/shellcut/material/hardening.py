@@ -37,7 +37,7 @@ from shellcut.numerics.lane_functions import any_above, where_above
 from .material import refuse
 
 ACCURACY = 1e-4
-"""Of the formulae's yield stress, relative."""
+"""Largest relative error of the formulae's yield stress."""
 FARTHEST = 100.0
 """Plastic strain at which the tables of formulae end, which no film reaches: at a tenth of it a
 strip is ten thousand times as long."""
@@ -73,7 +73,7 @@ def rise(p: Floats, at: int, plastic: Number) -> tuple[Number, Number]:
 @checked
 @dataclass(frozen=True)
 class Table:
-    """Yield stress: straight between given points, constant beyond the last.
+    """Yield stress: linear between given points, constant beyond the last.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def hardening_problems(hardening: object) -> list[str]:
 
 
 SOFTENING = "a film that softens localises in one row of quads"
-YieldStress: TypeAlias = Annotated[float, Option("MPa", "at which it yields, true", above=0)]
+YieldStress: TypeAlias = Annotated[float, Option("MPa", "true stress at which it yields", above=0)]
 Modulus: TypeAlias = Annotated[
     float,
     Option("MPa", "H, rise of the yield stress over plastic strain", least=0, why=SOFTENING),
@@ -171,9 +171,9 @@ def Swift(
         float, Option("MPa", "K of the yield stress K (start + p)^exponent", above=0)
     ],
     start: Annotated[
-        float, Option("", "of Swift's law; with 0 the film would yield at no stress", above=0)
+        float, Option("", "start of Swift's law; with 0 the film would yield at no stress", above=0)
     ],
-    exponent: Annotated[float, Option("", "of Swift's law", least=0, most=1)],
+    exponent: Annotated[float, Option("", "exponent of Swift's law", least=0, most=1)],
 ) -> Table:
     """Return the table of K (ε_0 + p)^n within 1e-4, to a plastic strain of 100.
 

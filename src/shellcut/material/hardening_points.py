@@ -7,7 +7,7 @@ import numpy as np
 from shellcut.arrays import Floats
 
 MOST_POINTS = 24
-"""Of a measured curve: more would follow its noise."""
+"""Most points of a measured curve: more would follow its noise."""
 
 
 def fewer_points(

@@ -43,7 +43,7 @@ class PointLaws(NamedTuple):
     kind: Annotated[Ints, "(n_point,)"]
     """Index of each point's law."""
     parameters: Annotated[Floats, "(n_point, n_parameter)"]
-    """Of each point's law, rows padded with zeros."""
+    """Parameters of each point's law, rows padded with zeros."""
 
 
 class HistoryStep(NamedTuple):
@@ -106,7 +106,7 @@ def _type_of_law(value: PointLaw, context: Any) -> Any:
 
 
 _DIGESTS: dict[PointLaw, str] = {}
-"""Of all laws, at their first use in this process."""
+"""Digests of all laws, at their first use in this process."""
 
 
 @unbox(LawType)

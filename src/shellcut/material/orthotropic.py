@@ -81,14 +81,15 @@ class Orthotropic(Material):
         float,
         Option(
             "MPa",
-            "modulus across the film's direction; young, poisson are then along it",
+            "modulus across the film's direction; young and poisson are then for tension along it",
             above=0,
         ),
     ]
     poisson: Annotated[
         float,
         Option(
-            "", "Poisson's ratio; with young_across ν_12, the contraction across of a pull along"
+            "",
+            "Poisson's ratio; with young_across it is ν_12, contraction across for tension along",
         ),
     ]
     shear: Annotated[float, Option("MPa", "shear modulus in the plane", above=0)]
@@ -97,7 +98,7 @@ class Orthotropic(Material):
         float | None,
         Option("MPa", "G_13, transverse shear along young", above=0, unset="shear"),
     ] = None
-    angle_deg: Annotated[float, Option("deg", "from the film's direction to axis 1")] = 0.0
+    angle_deg: Annotated[float, Option("deg", "angle from the film's direction to axis 1")] = 0.0
     shear_through_across: Annotated[
         float | None,
         Option("MPa", "G_23, along young_across", above=0, unset="shear_through"),
@@ -109,7 +110,7 @@ class Orthotropic(Material):
         if not -most < self.poisson < most:
             raise ValueError(
                 "poisson must lie between minus and plus the root of young_along over "
-                f"young_across, {most:.4g}, or the film would give energy when it is "
+                f"young_across, {most:.4g}, or the film would release energy when it is "
                 f"stretched, got {self.poisson!r}"
             )
 

@@ -61,7 +61,7 @@ HISTORY = (
     "plastic strain 22 [-]",
     "plastic strain 12, twice [-]",
 )
-"""Of each thickness point, in the axes of the point; true strains."""
+"""History of each thickness point, in the axes of the point; true strains."""
 
 _TURNING = (2,)
 
@@ -270,7 +270,7 @@ class Plastic(WithElasticPart):
     ] = None
     rate: RateFactor | None = None
     angle_deg: Annotated[
-        float, Option("deg", "of the axes of r_values from the film's direction")
+        float, Option("deg", "angle from the film's direction to the axes of r_values")
     ] = 0.0
 
     def __post_init__(self) -> None:

@@ -100,8 +100,9 @@ class PointLaw:
             )
         if not _are_strains(self.turning, len(self.history)):
             problems.append(
-                "turning must name where strains of three numbers begin among the history numbers, "
-                f"which must not overlap, {self.name!r} has {self.turning} of {len(self.history)}"
+                "turning must name where strains of three numbers begin among the history "
+                f"numbers, which must not overlap, but {self.name!r} has {self.turning} of "
+                f"{len(self.history)}"
             )
         if self.first_leads and len(self.history) < 2:
             problems.append(

@@ -25,11 +25,11 @@ with a series for the root near G = 1. In the first turn, Δp = 0, all σ_y + μ
     Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i),       Q = Σ q_i.
 
 The straight part of the hardening that holds the least p of the lanes that yield is found once;
-every iteration starts its search there, and goes past as many parts as the lanes are apart.
+every iteration starts its search there, and passes as many parts as the lanes are apart.
 
 **With a rate factor** σ_y rises from Δp = 0 like the fifth root of Δp, or steeper: a straight line
 from the right of the root ends below zero. In ln Δp it is no steeper than its own height, and its
-slope only grows: Newton's method for 1/√G over ln Δp comes down to the root from the right, and a
+slope only grows: Newton's method for 1/√G over ln Δp descends to the root from the right, and a
 first turn from the left takes it there,
 
     Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
@@ -42,7 +42,7 @@ round-off is found as it is: just above the yield stress at rest, a rate factor 
 and σ_eq^trial bounds Δp from above; a turn that would leave it halves it, and the iteration ends
 when the bracket has closed to round-off at the latest. A lane that is not solved in ``_TURNS``
 turns gets nan, and the run is stopped by name. The flow changes no bit of lanes that do not yield;
-that a block leaves the short way of an elastic film when one of its lanes first yields
+that a block leaves the short path of an elastic film when one of its lanes first yields
 (:mod:`.plastic`) changes the others by round-off. Isotropic moduli with von Mises have two modes,
 the mean and the deviator.
 
@@ -110,7 +110,7 @@ class _Turn(NamedTuple):
     rates: tuple[Number, ...]
     """Derivative of σ_y + μ_i Δp with respect to Δp, times its inverse."""
     G: Number
-    """Of the equation G(Δp) = 1."""
+    """G of the equation G(Δp) = 1."""
     change: Number
     """Correction of Δp by this turn."""
 
@@ -268,10 +268,10 @@ def _make_yield_stress(rise: Any, rate_factor: Any, has_rate: bool) -> Any:
 def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
     """Return the function that finds the flow of a step, for a function of the rate.
 
-    ``flow(p, at, q, mu, beyond, state, dt)`` takes the parameter row, in which σ_0 stands at
-    ``at``, followed by the row of the hardening, and p[0] is the place of the numbers of the rate;
-    the shares q_i of the two or three trial modes in σ_eq²; μ_i; :func:`excess`, above zero in at
-    least one lane; the history (p, R); Δt [s]. It returns a :class:`Flow`.
+    ``flow(p, at, q, mu, beyond, state, dt)`` takes the parameter row, with σ_0 at ``at``, followed
+    by the row of the hardening; p[0] is the place of the numbers of the rate; the shares q_i of the
+    two or three trial modes in σ_eq²; μ_i; :func:`excess`, above zero in at least one lane; the
+    history (p, R); Δt [s]. It returns a :class:`Flow`.
     """
     _, sums, _ = _OF_MODES[n_mode]
     turn = _make_turn(_straight_rise, always_inline(rate_factor), has_rate, n_mode)

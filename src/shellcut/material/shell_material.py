@@ -49,7 +49,7 @@ class Layer:
     """
 
     material: Material
-    thickness: Annotated[float, Option("mm", "of the layer", above=0)]
+    thickness: Annotated[float, Option("mm", "thickness of the layer", above=0)]
 
 
 @checked
@@ -62,9 +62,9 @@ class ShellMaterial:
     layers : sequence of Layer
         At least one.
     direction : sequence of float, or callable
-        Of the film, usually the machine direction MD, for layers with axes of their own: a vector,
-        of which the part in the sheet counts, or a function that returns a vector, shape (n, 3),
-        at each of some reference positions, shape (n, 3) [mm].
+        Direction of the film, usually the machine direction MD, for layers with axes of their own:
+        a vector, of which the part in the sheet counts, or a function that returns a vector, shape
+        (n, 3), at each of some reference positions, shape (n, 3) [mm].
 
     Notes
     -----
@@ -84,19 +84,20 @@ class ShellMaterial:
         float | None,
         Option(
             "",
-            "on the transverse shear moduli of every layer; many published benchmarks take 1",
+            "factor on the transverse shear moduli of every layer; many published benchmarks take "
+            "1",
             above=0,
-            unset="what follows from the layers, 5/6 of one",
+            unset="computed from the layers, 5/6 for one layer",
         ),
     ] = None
     points_per_layer: Annotated[
         int | None,
         Option(
             "",
-            "points through the thickness of each layer, at every step",
+            "integration points through the thickness of each layer, evaluated at every step",
             least=1,
             most=9,
-            unset="once before the run; for a law that is not linear 2 to 5",
+            unset="2 to 5; for a linear law none, its layers are integrated once before the run",
         ),
     ] = None
     direction: Direction = (1.0, 0.0, 0.0)
@@ -259,7 +260,7 @@ class ShellMaterial:
         )
 
     def transverse_shear(self, moduli: Floats) -> Floats:
-        """Return the effective ones of transverse shear moduli G, the symmetric part of K G."""
+        """Return the effective transverse shear moduli of G, the symmetric part of K G."""
         effective = product(self.shear_factors, moduli)
         return np.asarray(0.5 * (effective + effective.T))
 

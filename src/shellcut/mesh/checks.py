@@ -40,17 +40,17 @@ _MANY_QUADS = 1_000_000
 BYTES_A_QUAD = 902.0
 """Memory of a run, measured between 1e5 and 1e6 quads (docs/performance.md)."""
 
-_MIN_RELATIVE_AREA = 1e-12  # quad area over its longest edge squared; smaller is round-off
-_MIN_RELATIVE_EDGE = 1e-9  # shortest over longest edge of a quad; below it two corners coincide
+_MIN_RELATIVE_AREA = 1e-12  # quad area over its longest side squared; smaller is round-off
+_MIN_RELATIVE_SIDE = 1e-9  # shortest over longest side of a quad; below it two corners coincide
 _DIRECTOR_LENGTH = 1e-6  # accepted | |T| - 1 |, then scaled to one: text files have 7 digits
 # Thickness is measured along the director: a film whose directors all lean by 5° is 0.4 % too thin
 # and up to 1.2 % too soft, by 10° four times that, and the same if they lean in varying directions.
 # The mean over a quad of exact normals is the quad's normal; mean normals lean off them by part of
-# the fold between quads, at the rim by half of it, and across a strip one quad wide no fold shows
-# its curvature.
+# the fold between quads, at the border by half of it, and across a strip one quad wide no fold
+# shows its curvature.
 _QUAD_LEAN_DEG = 5.0
 _NODE_LEAN_DEG = 10.0
-_RIM_LEAN_DEG = 45.0
+_BORDER_LEAN_DEG = 45.0
 _LEAN_OF_FOLD = 0.75
 
 
@@ -90,18 +90,18 @@ def checked_arrays(
         problems.append(f"nodes must be finite, got {_places(infinite, X)}; repair or remove them")
     if _check_ids(Q, n_node, problems):
         sound = _check_corners(X, Q, problems)
-        edges = QuadSides(Q, n_node, np.flatnonzero(sound))
-        _check_edges(X, Q, edges, problems)
+        sides = QuadSides(Q, n_node, np.flatnonzero(sound))
+        _check_sides(X, Q, sides, problems)
         if not len(infinite):
             sound &= _check_shapes(X, Q, sound, problems)
-            _check_folds(X, Q, edges, sound, max_fold_deg, problems)
+            _check_folds(X, Q, sides, sound, max_fold_deg, problems)
             if given is not None:
                 _check_directors(X, Q, given, sound, problems)
     if given is None and not problems:
         given = mean_directors(X, Q)
         _check_directors(X, Q, given, sound, problems)
     elif given is not None and not problems:
-        _check_lean(X, Q, edges, given, problems)
+        _check_lean(X, Q, sides, given, problems)
     if given is None or problems:
         raise error(problems)
     T = unit(given)
@@ -139,8 +139,8 @@ def _quad_places(quads: Ints, X: Floats, Q: Ints) -> str:
     return named(quads, lambda e: f"quad {e} at {point_text(X[Q[e]].mean(axis=0))}")
 
 
-def _quad_pairs(one: Ints, two: Ints, X: Floats, Q: Ints) -> str:
-    pairs = np.sort(np.stack([one, two], axis=1), axis=1)
+def _quad_pairs(first: Ints, second: Ints, X: Floats, Q: Ints) -> str:
+    pairs = np.sort(np.stack([first, second], axis=1), axis=1)
     return named(pairs, lambda p: " and ".join(_quad_places(p[i : i + 1], X, Q) for i in (0, 1)))
 
 
@@ -280,31 +280,32 @@ def _check_corners(X: Floats, Q: Ints, problems: list[str]) -> Bools:
     return sound
 
 
-def _check_edges(X: Floats, Q: Ints, edges: QuadSides, problems: list[str]) -> None:
-    crowded = np.flatnonzero(edges.n_quad > 2)
+def _check_sides(X: Floats, Q: Ints, sides: QuadSides, problems: list[str]) -> None:
+    crowded = np.flatnonzero(sides.n_quad > 2)
     if len(crowded):
-        ends = edges.nodes
-        told = named(
+        ends = sides.nodes
+        found = named(
             crowded,
-            lambda k: f"{place(ends[k, 0], X)} to {place(ends[k, 1], X)} with {edges.n_quad[k]}",
+            lambda k: f"{place(ends[k, 0], X)} to {place(ends[k, 1], X)} with {sides.n_quad[k]}",
         )
         problems.append(
-            f"edges must have one or two quads, got {told}; a T-joint has no single director, "
-            "five-parameter nodes are for smooth shells only: model one sheet"
+            f"a side must belong to one or two quads, got {found}; a T-joint has no single "
+            "director, five-parameter nodes are for smooth shells only: model one sheet"
         )
-    one, two, alike = edges.neighbours()
+    first, second, alike = sides.neighbours()
     if not alike.all():
         problems.append(
-            "neighbouring quads must turn the same way, got opposite orientation in "
-            f"{_quad_pairs(one[~alike], two[~alike], X, Q)}; reverse the node order of one side"
+            "neighbouring quads must have the same orientation, got opposite orientation in "
+            f"{_quad_pairs(first[~alike], second[~alike], X, Q)}; reverse the node order of the "
+            "quads on one side"
         )
-    # one open fan has two rim spokes; more mean that the node connects quads like a hinge
-    spokes = np.bincount(edges.nodes[edges.n_quad == 1].ravel(), minlength=len(X))
+    # an open fan has two sides on the border; with more the node connects quads like a hinge
+    spokes = np.bincount(sides.nodes[sides.n_quad == 1].ravel(), minlength=len(X))
     pinched = np.flatnonzero(spokes > 2)
-    if len(pinched) and not len(crowded) and len(edges.quads) == Q.size:
+    if len(pinched) and not len(crowded) and len(sides.quads) == Q.size:
         problems.append(
             f"the quads of a node must form one fan, got {_places(pinched, X)} joining parts that "
-            "share no edge; duplicate the node or add quads between"
+            "share no side; duplicate the node or add quads between"
         )
 
 
@@ -312,11 +313,11 @@ def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bool
     lengths = edge_lengths(X, Q)
     longest = lengths.max(axis=1)
     flat = norm(quad_vectors(X, Q)) <= _MIN_RELATIVE_AREA * longest**2
-    flat |= lengths.min(axis=1) <= _MIN_RELATIVE_EDGE * longest
+    flat |= lengths.min(axis=1) <= _MIN_RELATIVE_SIDE * longest
     flat &= among
     if flat.any():
         problems.append(
-            "quads must have an area and four edges, got "
+            "quads must have an area and four sides, got "
             f"{_quad_places(np.flatnonzero(flat), X, Q)} degenerate or a bow-tie; merge nodes at "
             "one place, put the four corners in order around the quad"
         )
@@ -333,21 +334,21 @@ def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bool
 
 
 def _check_folds(
-    X: Floats, Q: Ints, edges: QuadSides, sound: Bools, limit_deg: float, problems: list[str]
+    X: Floats, Q: Ints, sides: QuadSides, sound: Bools, limit_deg: float, problems: list[str]
 ) -> None:
-    one, two, alike = edges.neighbours()
-    alike &= sound[one] & sound[two]
-    one, two = one[alike], two[alike]
+    first, second, alike = sides.neighbours()
+    alike &= sound[first] & sound[second]
+    first, second = first[alike], second[alike]
     normals = quad_vectors(X, Q)
-    angle = np.degrees(angles(normals[one], normals[two]))
+    angle = np.degrees(angles(normals[first], normals[second]))
     folded = angle > limit_deg
     if folded.any():
         problems.append(
             f"normals of neighbouring quads must differ by {limit_deg:g} degrees at most, got "
             f"{named(angle[folded], '{:.1f}'.format)} between "
-            f"{_quad_pairs(one[folded], two[folded], X, Q)}; five-parameter nodes are for smooth "
-            "shells only: refine a curved sheet, round a fold by several quads across it; one that "
-            "stays sharp cannot be modelled"
+            f"{_quad_pairs(first[folded], second[folded], X, Q)}; five-parameter nodes are for "
+            "smooth shells only: refine a curved sheet, round a fold by several quads across it; a "
+            "sharp fold cannot be modelled"
         )
 
 
@@ -373,31 +374,31 @@ def _check_directors(X: Floats, Q: Ints, given: Floats, sound: Bools, problems: 
         )
 
 
-def _check_lean(X: Floats, Q: Ints, edges: QuadSides, given: Floats, problems: list[str]) -> None:
+def _check_lean(X: Floats, Q: Ints, sides: QuadSides, given: Floats, problems: list[str]) -> None:
     normals = quad_vectors(X, Q)
-    one, two, _ = edges.neighbours()
+    first, second, _ = sides.neighbours()
     fold = np.zeros(len(Q))
-    for side in (one, two):
-        np.maximum.at(fold, side, np.degrees(angles(normals[one], normals[two])))
+    for side in (first, second):
+        np.maximum.at(fold, side, np.degrees(angles(normals[first], normals[second])))
     lean = np.degrees(angles(given[Q].sum(axis=1), normals))
     limit = _QUAD_LEAN_DEG + _LEAN_OF_FOLD * fold
     if len(bad := np.flatnonzero(lean > limit)):
         problems.append(
-            "directors must stand on the film, the mean of a quad's within "
-            f"{_QUAD_LEAN_DEG:g} degrees of its normal where the film is flat, got "
+            "directors must be normal to the film: their mean over a quad within "
+            f"{_QUAD_LEAN_DEG:g} degrees of the quad's normal where the film is flat, got "
             f"{_quad_places(bad, X, Q)} with directors that lean by "
             f"{named(lean[bad], '{:.3g}'.format)} degrees; give normals of the surface, or leave "
             "them out for the mean normals"
         )
     lean = np.degrees(angles(given, mean_directors(X, Q)))
     limit = np.full(len(X), _NODE_LEAN_DEG)
-    limit[edges.nodes[edges.n_quad == 1]] = _RIM_LEAN_DEG
+    limit[sides.nodes[sides.n_quad == 1]] = _BORDER_LEAN_DEG
     sharpest = np.zeros(len(X))
     np.maximum.at(sharpest, Q, fold[:, None])
     if len(bad := np.flatnonzero(lean > limit + _LEAN_OF_FOLD * sharpest)):
         problems.append(
             f"directors must lie within {_NODE_LEAN_DEG:g} degrees of the mean normal of their "
-            f"quads, at the rim within {_RIM_LEAN_DEG:g}, where the film is flat, got "
+            f"quads, at the border within {_BORDER_LEAN_DEG:g}, where the film is flat, got "
             f"{_places(bad, X)} that lean by {named(lean[bad], '{:.3g}'.format)} degrees; give "
             "normals of the surface, or leave them out for the mean normals"
         )
@@ -410,12 +411,12 @@ def look_up(kind: str, sets: Mapping[str, Ints], name: str) -> Ints:
     """
     if name in sets:
         return sets[name]
-    folded = [one for one in sorted(sets) if one.casefold() == name.casefold()]
+    folded = [known for known in sorted(sets) if known.casefold() == name.casefold()]
     if len(folded) == 1:
         return sets[folded[0]]
-    by_letters = {one.casefold(): one for one in sorted(sets)}
+    by_letters = {known.casefold(): known for known in sorted(sets)}
     close = get_close_matches(name.casefold(), by_letters, n=len(sets) or 1, cutoff=0.0)
-    near = folded or [by_letters[one] for one in close]
+    near = folded or [by_letters[known] for known in close]
     names = ", ".join(dict.fromkeys([*near, *sorted(sets)])) or "none"
     add = f"with_sets({kind}_sets=...) in Python, or as a group of {kind}s in the file of a film"
     hint = f"; did you mean {near[0]!r}" if near else f"; add it by {add}"

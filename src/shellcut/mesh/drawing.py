@@ -1,6 +1,6 @@
 """The outline of a film from a DXF drawing, by ezdxf and shapely: :func:`read_drawing`.
 
-ezdxf (``pip install 'shellcut[outline]'``, MIT) reads the curves and flattens them. Those whose
+ezdxf (``pip install 'shellcut-fem[outline]'``, MIT) reads the curves and flattens them. Those whose
 ends meet are joined into closed loops; the largest loop is the outline, the others are its holes.
 Assumptions are logged as warnings of the logger ``shellcut.drawing``.
 """
@@ -19,6 +19,7 @@ import scipy
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
+from shellcut.files.distribution import pip_install
 from shellcut.formats.budget import Budget
 from shellcut.formats.errors import (
     FileError,
@@ -88,7 +89,7 @@ Layers: TypeAlias = Annotated[
 ]
 ChordDeviation: TypeAlias = Annotated[
     float | None,
-    Option("mm", "of polygons from arcs and splines", above=0, unset="1e-4 of the diagonal"),
+    Option("mm", "most distance of polygons from curves", above=0, unset="1e-4 of the diagonal"),
 ]
 Join: TypeAlias = Annotated[
     float | None,
@@ -137,7 +138,7 @@ def read_drawing(
 ) -> FilmOutline:
     """Read the outline of a film with its holes from DXF (extra ``outline``).
 
-    Curves are those of the model space and of its blocks. Layers are named in any case.
+    Curves are those of the model space and of its blocks. Case of layer names does not matter.
     ``$INSUNITS`` states the unit of the file. Polygons turn by 10 degrees at most in each point.
 
     Returns
@@ -172,9 +173,9 @@ def read_drawing(
     left_out: Counter[str] = Counter()
     chosen = _chosen(path, document, (layers,) if isinstance(layers, str) else layers)
     curves = list(_curves(path, document, chosen, left_out))
-    told = ", ".join(f"{n} {kind}" for kind, n in sorted(left_out.items()))
+    listed = ", ".join(f"{n} {kind}" for kind, n in sorted(left_out.items()))
     if not curves:
-        raise FileError(path, f"there must be curves, got none; left out: {told or 'nothing'}")
+        raise FileError(path, f"there must be curves, got none; left out: {listed or 'nothing'}")
     box = bbox(curve for _, curve in curves)
     if box.size.z > _FLAT * box.size.vec2.magnitude:
         raise FileError(
@@ -194,8 +195,8 @@ def read_drawing(
             f"chord_deviation must be {_FINEST * extent:.2g} mm or more for a drawing of "
             f"{extent:.4g} mm across, got {chord_deviation:g}",
         )
-    if told:
-        _log.warning("%s: left out: %s", path, told)
+    if listed:
+        _log.warning("%s: left out: %s", path, listed)
     if note:
         _log.warning("%s: %s", path, note)
     budget = Budget(path)
@@ -214,7 +215,7 @@ def _document(path: Path) -> tuple[Any, float | None]:
         from ezdxf.filemanagement import readfile
     except ImportError:
         raise ImportError(
-            f"{path}: reading DXF needs ezdxf, an optional extra: pip install 'shellcut[outline]'"
+            f"{path}: reading DXF needs ezdxf, an optional extra: {pip_install('outline')}"
         ) from None
     if path.suffix.lower() != ".dxf":
         raise FileError(path, "the name must end in .dxf; save the drawing as DXF")
@@ -267,7 +268,7 @@ def _curves(
     from ezdxf.path import make_path
 
     for layout in document.layouts:
-        if n := sum(one.dxftype() != "VIEWPORT" for one in layout if not layout.is_modelspace):
+        if n := sum(e.dxftype() != "VIEWPORT" for e in layout if not layout.is_modelspace):
             left_out[f"entities in paper space {layout.name!r}"] = n
     budget = Budget(path)
     for outer in document.modelspace():
@@ -310,8 +311,8 @@ def _count(entity: Any, document: Any, budget: Budget, times: int = 1, level: in
         times *= max(entity.dxf.row_count, 1) * max(entity.dxf.column_count, 1)
         inner = document.blocks.get(entity.dxf.name) or ()
     budget.take("elements drawn", times, "choose layers, or draw without blocks of blocks")
-    for one in inner:
-        _count(one, document, budget, times, level + 1)
+    for member in inner:
+        _count(member, document, budget, times, level + 1)
 
 
 def _clamped(spline: Any) -> Any:
@@ -399,10 +400,10 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
     if not loops:
         raise FileError(path, "curves must form closed loops with an area, got none")
     if flat := [p for p in loops if len(p) < 3]:
-        told = named(flat, lambda p: " to ".join(map(point_text, p[:2])))
+        listed = named(flat, lambda p: " to ".join(map(point_text, p[:2])))
         raise FileError(
             path,
-            f"closed loops must have an area, got a line there and back at {told}: is it drawn "
+            f"closed loops must have an area, got a line there and back at {listed}: is it drawn "
             "twice? Remove it; a slit is cut in the mesh, by Mesh.cut",
         )
     name = [f"the loop of {area_of(p):.4g} mm² around {point_text(p.mean(axis=0))}" for p in loops]
@@ -411,7 +412,7 @@ def _with_holes(path: Path, loops: list[Floats], apart: float) -> FilmOutline:
         raise FileError(
             path,
             f"all loops must lie in the largest, of {area_of(loops[largest]):.4g} mm², apart, and "
-            f"not in each other: {'; '.join(problems)}; choose the layers of one film, or "
-            "mend the drawing",
+            f"not in each other: {'; '.join(problems)}; choose the layers of one film, or correct "
+            "the drawing",
         )
     return FilmOutline(loops[largest], tuple(p for k, p in enumerate(loops) if k != largest))

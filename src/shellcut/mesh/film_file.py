@@ -64,19 +64,18 @@ def read_film(
     ] = "refuse",
     quadratic: Annotated[
         Quadratic,
-        Option("", "what to do with quadratic cells: corners takes these, and straight sides"),
+        Option("", "what to do with quadratic cells: corners uses corners and straight sides"),
     ] = "refuse",
     leave_out: Annotated[
         Collection[str],
-        Option("", "kinds of other cells to leave out, as the message names them", form="names"),
+        Option("", "kinds of other cells to leave out, by the names in the message", form="names"),
     ] = (),
     merge: Annotated[
-        float | None,
-        Option("mm", "merge nodes closer than this", above=0, unset="no merging"),
+        float | None, Option("mm", "nodes closer than this are merged", above=0, unset="no merging")
     ] = None,
-    max_fold_deg: Annotated[float, Option("deg", "sharpest fold allowed")] = 60.0,
+    max_fold_deg: Annotated[float, Option("deg", "largest angle between two quads")] = 60.0,
     refine: Annotated[
-        int, Option("", "times that each quad is divided in four", least=0, most=6)
+        int, Option("", "number of times that each quad is divided in four", least=0, most=6)
     ] = 0,
 ) -> Mesh:
     """Read the mesh of a film: Gmsh .msh, Abaqus .inp, LS-DYNA .k, VTK .vtu, .vtp and .vtk.
@@ -157,7 +156,7 @@ def read_film(
 
 
 class _Film:
-    # The mesh on its way from the file's form to that of the package; each step logs its changes.
+    # The mesh, changed step by step from the file's form to the package's; each step logs changes.
 
     def __init__(self, file: FileMesh, leave_out: Collection[str], *, straight: bool):
         self.path = file.path
@@ -305,10 +304,10 @@ class _Film:
             if not len(self.node_sets[name]):
                 del self.node_sets[name]
         self.nodes, self.quads = self.nodes[used], number[self.quads]
-        told = f", among them {'; '.join(off_film)}" if off_film else ""
+        among = f", among them {'; '.join(off_film)}" if off_film else ""
         self.say(
             f"{len(lost)} nodes belong to no quad and are left out "
-            f"(ids {named(self.node_labels[n] for n in lost.tolist())}){told}"
+            f"(ids {named(self.node_labels[n] for n in lost.tolist())}){among}"
         )
 
     def turn(self) -> None:
@@ -364,8 +363,8 @@ class QuadSplit:
     """A mesh of quads and its relation to the cells before the split.
 
     All cells are split, a triangle in three and a quad in four, from the centre of each to the
-    midpoints of its edges, so that the mesh stays conforming. Nodes keep their numbers; the
-    midpoints of edges follow, then the centres of cells.
+    midpoints of its sides, so that the mesh stays conforming. Nodes keep their numbers; the
+    midpoints of sides follow, then the centres of cells.
     """
 
     nodes: Floats
@@ -374,10 +373,10 @@ class QuadSplit:
     """Shape (n_quad, 4), with the orientation of their cells."""
     parent: Ints
     """Cell of each quad, shape (n_quad,): quads first, then triangles, in the given order."""
-    edge_ends: Ints
-    """Ends of the old mesh's edges, lower id first, sorted, shape (n_edge, 2)."""
-    edge_n_cell: Ints
-    """Number of cells on each, shape (n_edge,)."""
+    side_ends: Ints
+    """Ends of the old mesh's sides, lower id first, sorted, shape (n_side, 2)."""
+    side_n_cell: Ints
+    """Number of cells on each, shape (n_side,)."""
     cells: tuple[Ints, Ints]
     """The quads and triangles that were split."""
     n_node: int
@@ -386,28 +385,28 @@ class QuadSplit:
     def with_middles(self, members: Ints) -> Ints:
         """Return a set of nodes extended by the new nodes between them.
 
-        An edge's midpoint joins if both ends are members, a cell's centre if all corners are. For a
-        set that lies on the boundary only, just boundary edges count: a cell in a corner has all
-        its nodes on the boundary, but its inner edges and centre lie inside.
+        A side's midpoint joins if both ends are members, a cell's centre if all corners are. For a
+        set that lies on the border only, just border sides count: a cell in a corner has all its
+        nodes on the border, but its inner sides and centre lie inside.
         """
         within = np.zeros(self.n_node, dtype=np.bool_)
         within[members] = True
-        rim = self.edge_n_cell == 1
-        edges = within[self.edge_ends].all(axis=1)
-        on_rim = np.zeros(self.n_node, dtype=np.bool_)
-        on_rim[self.edge_ends[rim]] = True
-        if on_rim[members].all():
-            return np.concatenate([members, self.n_node + np.flatnonzero(edges & rim)])
-        first = self.n_node + len(self.edge_ends)
+        border = self.side_n_cell == 1
+        sides = within[self.side_ends].all(axis=1)
+        on_border = np.zeros(self.n_node, dtype=np.bool_)
+        on_border[self.side_ends[border]] = True
+        if on_border[members].all():
+            return np.concatenate([members, self.n_node + np.flatnonzero(sides & border)])
+        first = self.n_node + len(self.side_ends)
         centres = np.concatenate([within[cells].all(axis=1) for cells in self.cells])
-        middles = self.n_node + np.flatnonzero(edges)
+        middles = self.n_node + np.flatnonzero(sides)
         return np.concatenate([members, middles, first + np.flatnonzero(centres)])
 
     def middles(self, lines: Ints) -> Ints:
-        """Return the midpoints of those lines, shape (n_line, 2), that are edges of the mesh."""
+        """Return the midpoints of those lines, shape (n_line, 2), that are sides of quads."""
         ordered = np.sort(lines, axis=1)
         key = product(ordered, np.array([self.n_node, 1]))
-        keys = product(self.edge_ends, np.array([self.n_node, 1]))
+        keys = product(self.side_ends, np.array([self.n_node, 1]))
         found: Ints = np.flatnonzero(np.isin(keys, key)) + self.n_node
         return found
 
@@ -426,7 +425,7 @@ def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
     start = np.concatenate([quads.ravel(), triangles.ravel()])
     following = (np.roll(cells, -1, axis=1).ravel() for cells in (quads, triangles))
     end = np.concatenate(list(following))
-    keys, edge, n_cell = np.unique(
+    keys, side, n_cell = np.unique(
         np.minimum(start, end) * n_node + np.maximum(start, end),
         return_inverse=True,
         return_counts=True,
@@ -437,7 +436,7 @@ def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
     first_side = first_cell = 0
     for cells in (quads, triangles):
         n, k = cells.shape
-        middle = n_node + edge[first_side : first_side + n * k].reshape(n, k)
+        middle = n_node + side[first_side : first_side + n * k].reshape(n, k)
         cell = first_cell + np.arange(n)
         centre = np.broadcast_to((n_node + len(keys) + cell)[:, None], (n, k))
         corners = (cells, middle, centre, np.roll(middle, 1, axis=1))
@@ -449,8 +448,8 @@ def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
         nodes=np.concatenate([nodes, nodes[ends].mean(axis=1), *centres]),
         quads=np.concatenate(new_quads).astype(np.int64),
         parent=np.concatenate(parent),
-        edge_ends=ends,
-        edge_n_cell=n_cell.astype(np.int64),
+        side_ends=ends,
+        side_n_cell=n_cell.astype(np.int64),
         cells=(quads, triangles),
         n_node=n_node,
     )
@@ -474,8 +473,8 @@ def divided_in_four(mesh: Mesh, max_fold_deg: float = 60.0) -> Mesh:
     """
     split = split_in_quads(mesh.nodes, mesh.quads, np.zeros((0, 3), np.int64))
     bow = np.zeros_like(split.nodes)
-    middles = slice(mesh.n_node, mesh.n_node + len(split.edge_ends))
-    bow[middles] = _bow_of_sides(mesh, split.edge_ends)
+    middles = slice(mesh.n_node, mesh.n_node + len(split.side_ends))
+    bow[middles] = _bow_of_sides(mesh, split.side_ends)
     around = split.quads.reshape(-1, 4, 4)
     bow[around[:, 0, 2]] = 0.5 * bow[around[:, :, 1]].sum(axis=1)  # of a Coons patch
     quad_sets = {
@@ -497,11 +496,11 @@ def _bow_of_sides(mesh: Mesh, ends: Ints) -> Floats:
     spot = connected_parts(pairs[:, 0], pairs[:, 1], mesh.n_node)
     normals = np.zeros_like(mesh.nodes)
     np.add.at(normals, spot, mesh.directors)
-    one, two = (unit(normals[spot[ends[:, k]]]) for k in (0, 1))
+    first, last = (unit(normals[spot[ends[:, k]]]) for k in (0, 1))
     chord = mesh.nodes[ends[:, 1]] - mesh.nodes[ends[:, 0]]
     along = unit(chord)
-    rise, fall = (one * along).sum(axis=1), -(two * along).sum(axis=1)
-    start, stop = unit(along - rise[:, None] * one), unit(along + fall[:, None] * two)
+    rise, fall = (first * along).sum(axis=1), -(last * along).sum(axis=1)
+    start, stop = unit(along - rise[:, None] * first), unit(along + fall[:, None] * last)
     bow = 0.125 * norm(chord)[:, None] * (start - stop)
     less, more = np.minimum(abs(rise), abs(fall)), np.maximum(abs(rise), abs(fall))
     curved = (rise * fall > 0.0) & (more <= _ALIKE * less)

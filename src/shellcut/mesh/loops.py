@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, product
+from shellcut.files.distribution import pip_install
 from shellcut.formats.errors import point_text
 
 _NAMED = 4
@@ -54,15 +55,15 @@ def not_one_film(
         return problems[:_NAMED]
     rings = shapely.get_exterior_ring(polygons)
     pairs = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=apart)
-    for one, other in pairs.T[pairs[0] < pairs[1]][:_NAMED].tolist():
-        place = shapely.get_coordinates(shapely.shortest_line(rings[one], rings[other]))[0]
-        if shapely.hausdorff_distance(rings[one], rings[other]) <= apart:
-            problems.append(f"{names[one]} is drawn twice")
+    for k, j in pairs.T[pairs[0] < pairs[1]][:_NAMED].tolist():
+        place = shapely.get_coordinates(shapely.shortest_line(rings[k], rings[j]))[0]
+        if shapely.hausdorff_distance(rings[k], rings[j]) <= apart:
+            problems.append(f"{names[k]} is drawn twice")
             continue
-        how = "crosses" if shapely.overlaps(polygons[one], polygons[other]) else "touches"
+        how = "crosses" if shapely.overlaps(polygons[k], polygons[j]) else "touches"
         if how == "touches" and apart:
-            how += f" (or comes closer than {apart:.2g} mm to)"
-        problems.append(f"{names[one]} {how} {names[other]} at {point_text(place)}")
+            how += f" (or lies within {apart:.2g} mm of)"
+        problems.append(f"{names[k]} {how} {names[j]} at {point_text(place)}")
     if problems:
         return problems
     corners = shapely.points([loop[0] for loop in loops])
@@ -80,6 +81,6 @@ def shapely_or_error() -> Any:
         import shapely
     except ImportError:
         raise ImportError(
-            "outlines need shapely, an optional extra: pip install 'shellcut[outline,mesh]'"
+            f"outlines need shapely, an optional extra: {pip_install('outline', 'mesh')}"
         ) from None
     return shapely

@@ -4,7 +4,7 @@
 on it. The conditions are those of five-parameter shell nodes and of cutting: one smooth,
 consistently oriented sheet (or several), every node with a single fan of quads.
 
-Corners of a quad are numbered 0 to 3 counter-clockwise about its normal. At corner ``a`` the edge
+Corners of a quad are numbered 0 to 3 counter-clockwise about its normal. At corner ``a`` the side
 vectors are ``p`` (to corner a+1) and ``q`` (to corner a-1), and ``p × q`` is the corner's area
 vector, along the normal.
 """
@@ -31,19 +31,19 @@ from .quad_geometry import QuadSides, corner_vectors, edge_lengths, scaled_jacob
 
 __all__ = ["MAX_VALENCE", "Edges", "Mesh", "MeshError"]
 
-# Width of a lane of nodes in :meth:`Mesh.ordered`, in edges.
+# Width of a lane of nodes in :meth:`Mesh.ordered`, in side lengths.
 _LANE = 4.0
 
 
 class Edges(NamedTuple):
-    """The edges of a mesh, each once."""
+    """The sides of the quads of a mesh, each once."""
 
     nodes: Ints
     """Ends, shape (n_edge, 2), lower id first, rows in lexicographic order."""
     quads: Ints
-    """Quads on the edge, shape (n_edge, 2); a single one is repeated."""
+    """Quads beside it, shape (n_edge, 2); a single quad is repeated."""
     n_quad: Ints
-    """Number of quads on the edge, shape (n_edge,): 1 on the boundary, 2 inside."""
+    """Number of quads beside it, shape (n_edge,): 1 on the border, 2 inside."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ class Mesh:
         figures: Figures = [
             ("nodes", self.n_node, ""),
             ("quads", self.n_quad, ""),
-            ("edges, least and median", f"{lengths.min():.4g}, {np.median(lengths):.4g}", "mm"),
+            ("sides, least and median", f"{lengths.min():.4g}, {np.median(lengths):.4g}", "mm"),
             extent(self.nodes),
             ("sets", ", ".join([*self.node_sets, *self.quad_sets]) or "none", ""),
         ]
@@ -137,13 +137,13 @@ class Mesh:
         nodes : array_like, shape (n_node, 3) or (n_node, 2), [mm]
             Reference mid-surface; two columns mean z = 0.
         quads : array_like of int, shape (n_quad, 4)
-            Corner node ids, all quads turning the same way seen from one side.
+            Corner node ids, in the same sense of rotation for all quads seen from one side.
         node_sets, quad_sets : mapping of str to array_like of int, optional
             Named ids, each id at most once in a set.
         directors : array_like, shape (n_node, 3), optional
             Unit directors on the side of the normals; scaled to exact unit length. By default the
             area-weighted mean of the corner normals at each node. Each must lie within 10° of the
-            default, 45° at the rim, and the mean of a quad's four within 5° of its normal, more
+            default, 45° at the border, and the mean of a quad's four within 5° of its normal, more
             only where quads make folds: thickness is measured along the director.
         origin : array_like of int, shape (n_node,), optional
             For a mesh that was cut before: the node from which each node was duplicated.
@@ -177,15 +177,15 @@ class Mesh:
 
     @cached_property
     def _edges(self) -> Edges:
-        edges = QuadSides(self.quads, self.n_node, np.arange(self.n_quad))
-        ends = edges.start, edges.start + edges.n_quad - 1
-        table = Edges(edges.nodes, np.stack([edges.quads[k] for k in ends], axis=1), edges.n_quad)
+        sides = QuadSides(self.quads, self.n_node, np.arange(self.n_quad))
+        ends = sides.start, sides.start + sides.n_quad - 1
+        table = Edges(sides.nodes, np.stack([sides.quads[k] for k in ends], axis=1), sides.n_quad)
         for array in table:
             array.flags.writeable = False
         return table
 
     def edges(self) -> Edges:
-        """Return the edges, each once, with the quads on them; built on first use.
+        """Return the sides of the quads, each once, with the quads beside it; built on first use.
 
         Returns
         -------
@@ -195,7 +195,7 @@ class Mesh:
         return self._edges
 
     def boundary_nodes(self) -> Ints:
-        """Return the ids of the nodes on edges with one quad, ascending; notches included."""
+        """Return the ids of the nodes on sides with one quad, ascending; notches included."""
         return np.unique(self._edges.nodes[self._edges.n_quad == 1])
 
     def quad_areas(self) -> Floats:
@@ -217,17 +217,17 @@ class Mesh:
     def scaled_jacobian(self) -> Floats:
         """Return the smallest scaled Jacobian over the corners of every quad, shape (n_quad,).
 
-        (p × q)·n of the unit vectors p, q along the edges with the mean normal n: the sine of the
+        (p × q)·n of the unit vectors p, q along the sides with the mean normal n: the sine of the
         corner angle, 1 for a rectangle, 0 or less where a corner is straight or re-entrant.
         """
         return scaled_jacobian(self.nodes, self.quads)
 
     def edge_lengths(self) -> Floats:
-        """Return the edge lengths of every quad, shape (n_quad, 4), [mm], from corner a to a+1."""
+        """Return the side lengths of every quad, shape (n_quad, 4), [mm], from corner a to a+1."""
         return edge_lengths(self.nodes, self.quads)
 
     def node_set(self, name: str) -> Ints:
-        """Return the node ids of a named set, in any case where one set has the name so.
+        """Return the node ids of a named set; upper or lower case, if that leaves one set.
 
         Raises
         ------
@@ -258,7 +258,7 @@ class Mesh:
         mask = np.asarray(predicate(*self.nodes.T))
         if mask.shape != (self.n_node,) or mask.dtype != np.bool_:
             raise MeshError(
-                f"predicate must return {self.n_node} bools, one a node, got shape {mask.shape} "
+                f"predicate must return {self.n_node} bools, one per node, got shape {mask.shape} "
                 f"of {mask.dtype}; compare the arrays x, y, z it is given, joined by & and |"
             )
         return np.flatnonzero(mask).astype(np.int64)
@@ -312,10 +312,10 @@ class Mesh:
 
     @checked
     def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
-        """Return the mesh with a pre-cut (notch) along a line of mesh edges.
+        """Return the mesh with a pre-cut (notch) along a line of quad sides.
 
-        The nodes of the line are duplicated wherever its edges separate their quads: nodes within
-        the line, and an end on the boundary or on an earlier cut (the notch is open there). An end
+        The nodes of the line are duplicated wherever its sides separate their quads: nodes within
+        the line, and an end on the border or on an earlier cut (the notch is open there). An end
         inside the mesh stays a single node, the crack tip. A closed line (the last node is the
         first again) cuts a patch out. Quads on the left of the line, seen from the side of the
         normals, keep their nodes; duplicates are appended. Each duplicate copies position,
@@ -324,7 +324,7 @@ class Mesh:
         Parameters
         ----------
         line_of_nodes : sequence of int
-            Node ids in order, neighbours joined by an edge with quads on both sides.
+            Node ids in order, neighbours joined by a side with quads to the left and right.
 
         Returns
         -------
@@ -333,7 +333,7 @@ class Mesh:
         Raises
         ------
         MeshError
-            If the line does not follow the edges, runs along a boundary, or would open nothing.
+            If the line does not follow sides of quads, runs along a border, or would open nothing.
         """
         line = self._check_line(line_of_nodes)
         cut_edges = {frozenset(pair) for pair in pairwise(line)}
@@ -350,8 +350,8 @@ class Mesh:
                 parents.append(node)
         if not parents:
             raise MeshError(
-                f"a line of one edge between two inner nodes opens nothing, got nodes {line}; "
-                "add an edge, or start on the boundary"
+                f"a line of one side between two inner nodes opens nothing, got nodes {line}; add "
+                "a side, or start on the border"
             )
         copies = np.array(parents, dtype=np.int64)
         ids = self.n_node + np.arange(len(copies))
@@ -387,25 +387,26 @@ class Mesh:
                 f"line_of_nodes must pass each node once, got {named(twice)} again; cut in parts"
             )
         for i, j in pairwise(line):
-            # rows are in lexicographic order: find the row (low, high), none if there is no edge
+            # rows are in lexicographic order: find the row (low, high), none if there is no side
             start, stop = np.searchsorted(self._edges.nodes[:, 0], [min(i, j), min(i, j) + 1])
             row = np.flatnonzero(self._edges.nodes[start:stop, 1] == max(i, j))
             count = self._edges.n_quad[start + row[0]] if len(row) else 0
             if count == 0:
-                twins = {n: np.flatnonzero(self.origin == self.origin[n]).tolist() for n in (i, j)}
+                copies = {n: np.flatnonzero(self.origin == self.origin[n]).tolist() for n in (i, j)}
                 hint = "".join(
                     f"; node {n} was duplicated by a cut, its copies are {ids}"
-                    for n, ids in twins.items()
+                    for n, ids in copies.items()
                     if len(ids) > 1
                 )
                 problems.append(
-                    f"line_of_nodes must follow mesh edges, got {place(i, self.nodes)} to "
-                    f"{place(j, self.nodes)} that no edge joins; name every node between{hint}"
+                    f"line_of_nodes must follow sides of quads, got {place(i, self.nodes)} to "
+                    f"{place(j, self.nodes)} that no side joins; name every node between{hint}"
                 )
             elif count == 1:
                 problems.append(
-                    f"edges to cut must have quads on both sides, got {place(i, self.nodes)} to "
-                    f"{place(j, self.nodes)} on the boundary or cut before; leave it out"
+                    "line_of_nodes must have quads to its left and right, got "
+                    f"{place(i, self.nodes)} to {place(j, self.nodes)} on the border or on a cut; "
+                    "leave it out"
                 )
         if problems:
             raise error(problems)
@@ -416,7 +417,7 @@ class Mesh:
 
 
 def _left_quads(quads: Ints, touched: Ints, line: list[int]) -> dict[int, int]:
-    # for each node of the line, a quad on the left: its rim contains the leaving edge (at the end,
+    # for each node of the line, a quad on the left: its sides contain the leaving one (at the end,
     # the arriving one) in the direction of the line
     side_of = {
         (int(quads[e, a]), int(quads[e, (a + 1) % 4])): e
@@ -433,7 +434,7 @@ def _left_quads(quads: Ints, touched: Ints, line: list[int]) -> dict[int, int]:
 def _fans(
     quads: Ints, node: int, around: list[int], cut_edges: set[frozenset[int]], *, first: int
 ) -> Iterator[list[int]]:
-    # groups into which the cut edges split the quads around a node, without the group of `first`
+    # groups into which the cut sides split the quads around a node, without the group of `first`
     spokes: dict[int, list[int]] = {}
     for e in around:
         a = int(np.flatnonzero(quads[e] == node)[0])

@@ -1,7 +1,7 @@
 """A film meshed from its outline by Gmsh: :func:`mesh_from_outline`.
 
-Gmsh is an optional extra (``pip install 'shellcut[mesh]'``, GPL), and has a process of its own.
-The boundary is divided here, into an even number of edges per loop: with an odd number no mesh of
+Gmsh is an optional extra (``pip install 'shellcut-fem[mesh]'``, GPL), and has a process of its own.
+The boundary is divided here, into an even number of sides per loop: with an odd number no mesh of
 quads only exists. Inside, Blossom pairs Gmsh's frontal-Delaunay triangles to quads; on discs the
 smallest scaled Jacobian was 0.71, with other settings 0.03 to 0.68.
 
@@ -54,40 +54,40 @@ _GMSH = GmshProcess(
     "meshing an outline",
 )
 
-QuadSize: TypeAlias = Annotated[float, Option("mm", "edge length of the quads, about", above=0)]
+QuadSize: TypeAlias = Annotated[float, Option("mm", "side length of the quads, about", above=0)]
 
 
 @checked
 def mesh_from_outline(
     outline: Annotated[
-        npt.ArrayLike, Option("mm", "vertices in order, without the first again", form="polygon")
+        npt.ArrayLike, Option("mm", "vertices in order; the first is not repeated", form="polygon")
     ],
     *,
     size: QuadSize,
     holes: Annotated[
-        Sequence[npt.ArrayLike], Option("mm", "polygons inside", form="polygons")
+        Sequence[npt.ArrayLike], Option("mm", "polygons that are cut out", form="polygons")
     ] = (),
     near: Annotated[
         npt.ArrayLike | None,
         Option("mm", "points about which quads are small", unset="none", form="polygon"),
     ] = None,
     size_near: Annotated[
-        float | None, Option("mm", "edge length of the quads there", above=0, unset="size")
+        float | None, Option("mm", "side length of the quads there", above=0, unset="size")
     ] = None,
     band: Annotated[
         float | None,
-        Option("mm", "distance from them up to which quads stay small", least=0, unset="size_near"),
+        Option("mm", "distance from them where quads stay small", least=0, unset="size_near"),
     ] = None,
 ) -> Mesh:
     """Return a plane mesh of quads within a polygon, with Gmsh.
 
-    Between corners (:data:`CORNER_DEG`) the polygon stands for a smooth curve: nodes lie on it, but
+    Between corners (:data:`CORNER_DEG`) the polygon is read as a smooth curve: nodes lie on it, but
     not on its vertices. Away from the points ``near`` sides grow up to ``size``.
 
     Returns
     -------
     Mesh
-        Node sets "outline" and, the same, "rim"; "hole_1", "hole_2", ... in order along each loop.
+        Node sets ``outline`` and, the same, ``rim``; ``hole_1``, ... in order along each loop.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def mesh_from_outline(
     field = _Field.of(polygons, size, near, size_near, band)
     _check_count(polygons, size, field)
     loops = [_divided(polygon, size, field) for polygon in polygons]
-    _check_apart(loops, names)  # the division may have bridged parts narrower than an edge
+    _check_apart(loops, names)  # the division may have bridged parts narrower than a side
     with tempfile.TemporaryDirectory() as folder:
         given = Path(folder) / "loops.npz"
         arrays: dict[str, Any] = {f"loop_{k}": loop for k, loop in enumerate(loops)}
@@ -123,9 +123,9 @@ def mesh_from_outline(
         raise MeshError(
             f"Gmsh must find a mesh of quads only, but leaves {left} triangles; {_GMSH.remedy}"
         )
-    rims = {name: found[f"rim_{k}"] for k, name in enumerate(names)}
-    rims["rim"] = rims["outline"]
-    return Mesh.from_arrays(found["nodes"], found["quads"], node_sets=rims)
+    sets = {name: found[f"loop_{k}"] for k, name in enumerate(names)}
+    sets["rim"] = sets["outline"]
+    return Mesh.from_arrays(found["nodes"], found["quads"], node_sets=sets)
 
 
 class _Field:
@@ -191,17 +191,17 @@ def _filled(polygon: Floats, spacing: float) -> Floats:
 
 
 def _check_count(polygons: list[Floats], size: float, field: _Field) -> None:
-    # check the number of quads by area, and of edges along the outlines, which are passed to Gmsh
+    # check the number of quads by area, and of sides along the outlines, which are passed to Gmsh
     area = area_of(polygons[0]) - sum(area_of(hole) for hole in polygons[1:])
     check_film_size(area / size / size, "enlarge size, or shrink the outline")
     for points, least, _ in field.near:
         check_film_size(float(len(points)), f"enlarge the size near them, {least:g} mm")
-    least = min([size, *(one for _, one, _ in field.near)])
+    least = min([size, *(near_size for _, near_size, _ in field.near)])
     around = sum(map(_length, polygons))
     if not around / least <= _MOST_EDGES:
         raise MeshError(
-            f"outline and holes must be {_MOST_EDGES:,} edges of a size around at most, got "
-            f"{around:.4g} mm at size {least:g} mm, {around / least:,.0f} edges: enlarge size"
+            f"outline and holes must have {_MOST_EDGES:,} quad sides around them at most, got "
+            f"{around:.4g} mm at size {least:g} mm, {around / least:,.0f} sides: enlarge size"
         )
 
 
@@ -218,7 +218,7 @@ def polygon(vertices: npt.ArrayLike, name: str) -> Floats:
     sides = np.roll(points, -1, axis=0) - points
     if (np.hypot(*sides.T) == 0.0).any():
         at = int(np.flatnonzero(np.hypot(*sides.T) == 0.0)[0])
-        raise MeshError(f"{name} must have different vertices, {at} is where the next one is")
+        raise MeshError(f"{name} must have different vertices, vertex {at} is equal to the next")
     return points
 
 

@@ -24,7 +24,7 @@ _OPTIONS = {
     "Mesh.RandomSeed": 1,
 }
 _SCALES = (1.0, 1.01, 1.02, 1.03, 1.04, 0.99, 0.98, 0.97)
-"""Of sizes that vary: the mesh whose narrowest quad is widest is taken. That quad sets the time
+"""Factors on the size: the mesh whose narrowest quad is widest is taken. That quad sets the time
 step of a run, which differs by half between them."""
 
 
@@ -91,17 +91,17 @@ def _meshed(
     kinds, _, node_tags = gmsh.model.mesh.getElements(2)
     for kind, members in zip(kinds, node_tags, strict=True):
         corners[int(kind)] = row[members.astype(np.int64)].reshape(-1, 4 if kind == 3 else 3)
-    rims = {
-        f"rim_{k}": np.array([row[int(gmsh.model.mesh.getNodes(0, p)[0][0])] for p in points])
+    corner_ids = {
+        f"loop_{k}": np.array([row[int(gmsh.model.mesh.getNodes(0, p)[0][0])] for p in points])
         for k, points in enumerate(point_tags)
     }
     nodes, quads = xyz.reshape(-1, 3)[:, :2], corners[3]
     if "near_0" in content and len(quads):  # without the points of the field
         used, quads = np.unique(quads, return_inverse=True)
         place = np.searchsorted(used, np.arange(len(nodes)))
-        rims = {name: place[rim] for name, rim in rims.items()}
+        corner_ids = {name: place[ids] for name, ids in corner_ids.items()}
         nodes, quads = nodes[used], quads.reshape(-1, 4)
-    return {"nodes": nodes, "quads": quads, "n_triangle": len(corners[2]), **rims}
+    return {"nodes": nodes, "quads": quads, "n_triangle": len(corners[2]), **corner_ids}
 
 
 def _set_field(gmsh: Any, content: dict[str, Any], scale: float, size: float) -> None:

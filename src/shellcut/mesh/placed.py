@@ -32,15 +32,15 @@ def placed(
         str | Sequence[float],
         Option(
             "",
-            "direction in the file that becomes z, by the shortest turn; normal: that of its quads",
+            "direction in the file that becomes z, by the smallest rotation; normal: of its quads",
             form="direction",
         ),
     ] = "z",
     turn_deg: Annotated[
-        float, Option("deg", "turns the film about z after that, counter-clockwise from above")
+        float, Option("deg", "then a turn of the film about z, counter-clockwise seen from above")
     ] = 0.0,
     shift: Annotated[
-        Sequence[float], Option("mm", "moves the film after that", form="3 numbers")
+        Sequence[float], Option("mm", "translation of the film, after the turns", form="3 numbers")
     ] = (0.0, 0.0, 0.0),
 ) -> Mesh:
     """Return the film turned about the origin, then moved; sets keep their ids.
@@ -63,8 +63,8 @@ def placed(
     normal = plane_normal(mesh.nodes, mesh.quads) if axis == "normal" else None
     if normal is None and axis == "normal":
         raise MeshError(
-            "axis = 'normal' is of a flat film, and this one is not: give the direction in its "
-            "file that becomes z"
+            "axis = 'normal' needs a flat film, and this one is not flat: give the direction in "
+            "its file that becomes z"
         )
     turn = turn_to_z(axis if normal is None else normal.tolist())
     if turn_deg:

@@ -18,9 +18,9 @@ _COINCIDENT = 1e-9  # relative to the film's size: nodes closer than this are at
 
 
 class QuadSides:
-    """The sides of quads grouped by edge.
+    """The sides of quads, grouped where two quads share one.
 
-    The sides on edge k, whose ends are ``nodes[k]``, belong to
+    The sides of group k, whose ends are ``nodes[k]``, belong to
     ``quads[start[k] : start[k] + n_quad[k]]``.
     """
 
@@ -38,7 +38,7 @@ class QuadSides:
         self._forward = (tail < head).ravel()[order]  # the side runs from lower to higher id
 
     def neighbours(self) -> tuple[Ints, Ints, Bools]:
-        """Return the two quads of every inner edge, and whether they have the same orientation."""
+        """Return the two quads of every inner side, and whether they have the same orientation."""
         start = self.start[self.n_quad == 2]
         turning_alike = self._forward[start] != self._forward[start + 1]
         return self.quads[start], self.quads[start + 1], turning_alike
@@ -59,7 +59,7 @@ def coincident(X: Floats, nodes: Ints, reach: float | None = None) -> Ints:
 
 
 def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:
-    """Return the edge vectors p and q of corner ``a`` of every quad."""
+    """Return the vectors p and q along the sides at corner ``a`` of every quad."""
     at = X[quads[:, a]]
     return X[quads[:, (a + 1) % 4]] - at, X[quads[:, (a + 3) % 4]] - at
 
@@ -74,7 +74,7 @@ def quad_vectors(X: Floats, quads: Ints) -> Floats:
 
 
 def edge_lengths(X: Floats, quads: Ints) -> Floats:
-    """Return the edge lengths of every quad, from corner a to a+1."""
+    """Return the side lengths of every quad, from corner a to a+1."""
     sides = (X[quads[:, (a + 1) % 4]] - X[quads[:, a]] for a in range(4))
     return np.stack([norm(side) for side in sides], axis=1)
 
@@ -110,8 +110,8 @@ def mean_directors(X: Floats, quads: Ints) -> Floats:
 
 def corner_normals(corners: Floats) -> Floats:
     """Return the unit normals of quads by their diagonals, corners : (..., 4, 3)."""
-    one, other = corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
-    return unit(np.cross(one, other))
+    first, second = corners[..., 2, :] - corners[..., 0, :], corners[..., 3, :] - corners[..., 1, :]
+    return unit(np.cross(first, second))
 
 
 def plane_normal(nodes: Floats, quads: Ints) -> Floats | None:

@@ -11,10 +11,10 @@ radius of the innermost circle,
 with straight layers between core and circle. w and b1 .. b4 maximise the smallest step of a single
 plane stress quad (2 / omega of its stiffness on lumped masses), for five discs together with 560 to
 8,625 quads and 2 to 11 layers, with the constraints, in units of the mean spacing s = sqrt(area /
-quads): smallest edge >= 0.825 s, largest about 1.55 s, scaled Jacobian >= 0.76. Result: a step of
-0.60 to 0.64 s / c with c = sqrt(E / density), smallest edge 0.825 to 0.86 s, Jacobian >= 0.816.
-Maximising the smallest edge alone (0.887 s) leaves slender, slanted quads in the core's corners and
-a step 11 % shorter; a smallest edge of 0.76 s would lengthen the step by 2 %.
+quads): shortest side >= 0.825 s, longest about 1.55 s, scaled Jacobian >= 0.76. Result: a step of
+0.60 to 0.64 s / c with c = sqrt(E / density), shortest side 0.825 to 0.86 s, Jacobian >= 0.816.
+Maximising the shortest side alone (0.887 s) leaves slender, slanted quads in the core's corners and
+a step 11 % shorter; a shortest side of 0.76 s would lengthen the step by 2 %.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _LAYER_THICKNESS = 0.927  # of a free layer at the middle of a core side, over t
 
 OpeningName = Literal["quick", "M1", "M2"]
 
-# n_side, n_layer, ring_radii [mm]: the path of the teeth is the ring of edges at 9.4
+# n_side, n_layer, ring_radii [mm]: the path of the teeth is the ring of quad sides at 9.4
 OPENING_RADIUS = 10.2
 _OPENING_PATH = 9.4
 _OPENINGS: dict[str, tuple[int, int, tuple[float, ...]]] = {
@@ -52,12 +52,12 @@ _OPENINGS: dict[str, tuple[int, int, tuple[float, ...]]] = {
 
 @checked
 def rectangle(
-    length: Annotated[float, Option("mm", "along x", above=0)],
-    width: Annotated[float, Option("mm", "along y", above=0)],
+    length: Annotated[float, Option("mm", "length along x", above=0)],
+    width: Annotated[float, Option("mm", "width along y", above=0)],
     *,
     size: Annotated[
         float | None,
-        Option("mm", "edge length of the quads, about", above=0, unset="from n_x, n_y"),
+        Option("mm", "side length of the quads, about", above=0, unset="from n_x, n_y"),
     ] = None,
     n_x: Annotated[
         int | None, Option("", "quads along x", least=1, most=MOST_QUADS, unset="from size")
@@ -103,7 +103,7 @@ def rectangle(
 
 @checked
 def disc(
-    radius: Annotated[float, Option("mm", "of the rim", above=0)],
+    radius: Annotated[float, Option("mm", "radius of the border", above=0)],
     *,
     n_side: Annotated[int, Option("", "quads along a side of the core", least=1, most=MOST_QUADS)],
     n_layer: Annotated[
@@ -117,22 +117,22 @@ def disc(
     """Return a plane disc about the origin: a core of quads with layers of quads around it.
 
     Every circle has 4 n_side evenly spaced nodes, the first on the x axis. The layers between the
-    innermost ring and the core are free; ``ring_radii`` may include the rim.
+    innermost ring and the core are free; ``ring_radii`` may include the border.
 
     Returns
     -------
     Mesh
-        With n_side² + 4 n_side n_layer quads. Node sets "rim"; "ring_9.4" and the like for every
-        ring inside the rim, all by angle from 0; "centre", the middle node, or the four
-        around the middle if n_side is odd.
+        With n_side² + 4 n_side n_layer quads. Node sets ``rim``; ``ring_9.4`` and the like for
+        every ring inside it, all by angle from 0; ``centre``, the middle node, or the four around
+        the middle if n_side is odd.
 
     Notes
     -----
-    Inside the innermost ring the smallest edge is about 0.83 of the mean spacing (see the module's
+    Inside the innermost ring the shortest side is about 0.83 of the mean spacing (see the module's
     notes). Measured, lengths in mm:
 
     =============================  ======  =============  ============  ==============
-    disc                           quads   smallest edge  largest edge  least Jacobian
+    disc                           quads   shortest side  longest side  least Jacobian
     =============================  ======  =============  ============  ==============
     radius 10.2, 34 x 34, 11       2,652   0.290          0.531         0.826
     ``opening_disc("quick")``      612     0.581          1.096         0.816
@@ -140,8 +140,8 @@ def disc(
     ``opening_disc("M2")``         8,625   0.164          0.300         0.833
     =============================  ======  =============  ============  ==============
 
-    With more layers than a third of n_side the quads at the rim are flat: the core shrinks until
-    its edges are as short as the layers are thick.
+    With more layers than a third of n_side the quads at the border are flat: the core shrinks until
+    its sides are as short as the layers are thick.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def disc(
             f"ring_radii must lie above 0 and within the radius {radius:g}, got {given}"
         )
     if any(outer <= inner for outer, inner in pairwise(given)):
-        raise MeshError(f"ring_radii must decrease from the rim inwards, got {given}; sort them")
+        raise MeshError(f"ring_radii must decrease from the border inwards, got {given}; sort them")
     rings = [float(radius), *(r for r in given if r < radius)]
     n_exact = len(rings) - 1
     n_free = ceil(n_side * (1.0 / pi - 0.25))  # chord of the ring = mean spacing inside, or above
@@ -194,11 +194,11 @@ def disc(
 def opening_disc(
     name: Annotated[OpeningName, Option("", "612, 2660 or 8625 quads")],
 ) -> Mesh:
-    """Return the sheet of the opening problem: radius 10.2 mm, a ring of edges at r = 9.4 mm.
+    """Return the sheet of the opening problem: radius 10.2 mm, a ring of quad sides at r = 9.4 mm.
 
     The meshes of [Frangi2010] have 2,634 (M1) and 8,647 (M2) quads. The ring has 72, 152 or 276
     nodes: four teeth a quarter turn apart all start on nodes. Rows every 0.8, 0.4 or 0.2 mm from
-    the rim down to 8.6, 8.2 or 9.0 mm.
+    the border down to 8.6, 8.2 or 9.0 mm.
 
     Returns
     -------
@@ -241,13 +241,13 @@ def annulus(
 
 @checked
 def cylinder(
-    radius: Annotated[float, Option("mm", "of the cylinder", above=0)],
-    length: Annotated[float, Option("mm", "along the axis", above=0)],
+    radius: Annotated[float, Option("mm", "radius of the cylinder", above=0)],
+    length: Annotated[float, Option("mm", "length along the axis", above=0)],
     *,
     n_around: Annotated[int, Option("", "quads around the arc", least=1, most=MOST_QUADS)],
     n_along: Annotated[int, Option("", "quads along the axis", least=1, most=MOST_QUADS)],
     arc_deg: Annotated[
-        float, Option("deg", "of the arc; 360 closes the cylinder", above=0, most=360)
+        float, Option("deg", "angle of the arc; 360 closes the cylinder", above=0, most=360)
     ] = 360.0,
 ) -> Mesh:
     """Return a cylinder or a barrel roof: a sheet bent about the y axis, directors outward.
@@ -287,7 +287,7 @@ def _core(n_side: int, n_free: int) -> tuple[Floats, Ints]:
     spacing = sqrt(pi / (n_side**2 + 4 * n_side * n_free))
     w = (1.0 - n_free * _LAYER_THICKNESS * spacing) / (1.0 + b2)  # half width: w (1 + b2)
     if 3 * n_free >= n_side:
-        # many layers on a small core are flat and wide: make them as thick as its edges, 2 w / n
+        # many layers on a small core are flat and wide: make them as thick as its sides, 2 w / n
         w = 1.0 / (1.0 + 2.0 * n_free / n_side)
 
     def place(u: Floats, v: Floats) -> Floats:

@@ -25,9 +25,9 @@ class MeshQuality:
     scaled_jacobian: Floats
     """Least sine of the corner angles, shape (n_quad,); 1 for a rectangle."""
     shortest_edge: Floats
-    """Of each quad [mm], shape (n_quad,)."""
+    """Length of the shortest side of each quad [mm], shape (n_quad,)."""
     longest_edge: Floats
-    """Of each quad [mm], shape (n_quad,)."""
+    """Length of the longest side of each quad [mm], shape (n_quad,)."""
     step: Floats
     """Stable step of each quad by itself, unloaded, without contact [s], shape (n_quad,)."""
     centre: Floats
@@ -37,7 +37,7 @@ class MeshQuality:
 
     @property
     def aspect(self) -> Floats:
-        """Longest over shortest edge of each quad, shape (n_quad,)."""
+        """Longest over shortest side of each quad, shape (n_quad,)."""
         return np.asarray(self.longest_edge / self.shortest_edge)
 
     @property
@@ -63,8 +63,8 @@ class MeshQuality:
         lines = [
             f"{len(self.step)} quads            least     median    most",
             f"scaled Jacobian      {spread(self.scaled_jacobian)}",
-            f"shortest edge [mm]   {spread(self.shortest_edge)}",
-            f"longest edge [mm]    {spread(self.longest_edge)}",
+            f"shortest side [mm]   {spread(self.shortest_edge)}",
+            f"longest side [mm]    {spread(self.longest_edge)}",
             f"aspect               {spread(self.aspect)}",
             f"stable step [s]      {spread(self.step)}",
             f"the worst quad shortens the step to {self.step_cost:.2f} of the median quad's",

@@ -45,7 +45,7 @@ _MORE_BLOCKS = 8
 
 
 class Places:
-    """Blocks and tables of a film, with room for copies that grows.
+    """Blocks and tables of a film, with space for copies that grows.
 
     Parameters
     ----------

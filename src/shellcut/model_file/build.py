@@ -159,14 +159,14 @@ def _arguments(model: Model) -> dict[str, Any]:
     if model.head.model == "free":
         given.setdefault("duration", duration_of(model.sections["motion"], given["motion"]))
     for title, several in model.lists.items():
-        made_of = given[_ARGUMENTS.get(title, title)] = []
-        for n, one in enumerate(several):
+        made_of = given[_ARGUMENTS.get(title, title)] = list[Any]()
+        for n, entry in enumerate(several):
             with _blame(model, (title, n)):
-                if one.values.get("nodes") is not None:
-                    choose_nodes(film, one.nodes)
-                if isinstance(one.values.get("quads"), str):
-                    film.quad_set(one.quads)
-                made_of.append(one.made())
+                if entry.values.get("nodes") is not None:
+                    choose_nodes(film, entry.nodes)
+                if isinstance(entry.values.get("quads"), str):
+                    film.quad_set(entry.quads)
+                made_of.append(entry.made())
     return given
 
 
@@ -194,17 +194,17 @@ def _blame(model: Model, path: KeyPath, *key: str) -> Iterator[None]:
 
 
 def parts(model: Model) -> ModelParts:
-    """Return those of film, held nodes, tool and motion that can be built."""
+    """Return those of film, supported nodes, tool and motion that can be built."""
     made = _Made(model)
     mesh: Mesh | None = _try(lambda: made["membrane"])
     if model.head.model == "trouser":
         pull = _try(lambda: trouser_time(**_values(model, "length width", "travel speed ramp")))
-        return ModelParts(mesh=mesh, held=_held(model, mesh), duration=pull)
+        return ModelParts(mesh=mesh, supported=_supported(model, mesh), duration=pull)
     tool: Tool | None = _try(lambda: made["tool"])
     moved = _try(lambda: _moved(model, mesh, tool))
     tool, motion, duration = (tool, None, None) if moved is None else moved
-    held = _held(model, mesh)
-    return ModelParts(mesh=mesh, held=held, tool=tool, motion=motion, duration=duration)
+    supported = _supported(model, mesh)
+    return ModelParts(mesh=mesh, supported=supported, tool=tool, motion=motion, duration=duration)
 
 
 def _try(make: Callable[[], Any]) -> Any:
@@ -226,25 +226,25 @@ def _moved(model: Model, mesh: Mesh | None, tool: Tool | None) -> tuple[Tool | N
     section = model.sections["motion"]
     if model.head.model == "guillotine":
         if mesh is None or tool is None:
-            raise ValueError("the way of the blade begins where the strip does")
-        way = _values(model, "", "travel speed slice_ratio")
-        return blade_before(mesh, tool, law=model.sections["cohesive"].made(), **way)
+            raise ValueError("the path of the blade begins where the strip does")
+        travel = _values(model, "", "travel speed slice_ratio")
+        return blade_before(mesh, tool, law=model.sections["cohesive"].made(), **travel)
     motion: Motion = section.made()
     if model.head.model != "oscillating":
         return tool, motion, duration_of(section, motion)
     if mesh is None:
-        raise ValueError("the way of the bar ends where the strip does")
-    extent, way = float(np.ptp(mesh.nodes[:, 0])), _values(model, "", "travel speed")
-    return tool, motion, oscillating_time(model.sections["tool"].diameter, extent, **way)
+        raise ValueError("the path of the bar ends where the strip does")
+    extent, travel = float(np.ptp(mesh.nodes[:, 0])), _values(model, "", "travel speed")
+    return tool, motion, oscillating_time(model.sections["tool"].diameter, extent, **travel)
 
 
-def _held(model: Model, mesh: Mesh | None) -> Ints:
-    """Return the nodes that are held, shape (n,), as far as there are such."""
+def _supported(model: Model, mesh: Mesh | None) -> Ints:
+    """Return the supported nodes, shape (n,); none if they cannot be found."""
     found: list[Ints] = [np.zeros(0, np.int64)]
     if mesh is not None:
         film = model.sections["membrane"]
         own = _BY_ITSELF.get((model.head.model, film.kind), film.values.get("clamp", ()))
-        choices: Iterable[Any] = (*own, *(one.nodes for one in model.lists.get("supports", ())))
+        choices: Iterable[Any] = (*own, *(each.nodes for each in model.lists.get("supports", ())))
         for chosen in choices:
             with suppress(*_REFUSALS):
                 found.append(choose_nodes(mesh, chosen))

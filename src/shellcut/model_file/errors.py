@@ -50,7 +50,7 @@ class ModelFileError(ValueError):
 def is_refusal(problem: BaseException) -> bool:
     """Whether an error is shellcut's own word on a value, raised by a ``raise`` of its sources.
 
-    Any other comes from inside a library and says nothing of the user's file.
+    Any other is raised inside a library and says nothing of the user's file.
     """
     trace = problem.__traceback__
     while trace is not None and trace.tb_next is not None:

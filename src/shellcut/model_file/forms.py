@@ -14,7 +14,7 @@ from shellcut.arguments import Option, fits, is_number
 
 from .quantity import quantity
 
-# No quantity of a film and its cut comes near these limits in mm, N, s and t, and their fourth
+# No quantity of a film and its cut is near these limits in mm, N, s and t, and their fourth
 # powers are still within the range of a double.
 _SMALLEST, _LARGEST = 1e-18, 1e18
 
@@ -74,7 +74,7 @@ def form_of(kind: Any, option: Option) -> Form:
     """Return the form of an argument from its type, or by the name that the option gives."""
     if option.form:
         return FORMS[option.form]
-    literals = [one for one in get_args(kind) or (kind,) if one is not NoneType]
+    literals = [literal for literal in get_args(kind) or (kind,) if literal is not NoneType]
     if isinstance(literals[0], str):
         return choice(*literals)
     first = literals[0]
@@ -132,10 +132,10 @@ def _converted(value: Any, kind: Any, unit: str, least: float) -> Any:
         if isinstance(value, int) and abs(value) > _LARGEST_COUNT:
             raise ValueError(f"must be a whole number up to {_LARGEST_COUNT:,}, got a larger one")
     if isinstance(value, list | tuple):
-        parts = next((get_args(one) for one in kinds if _is_array(one)), (Any,))
-        return tuple(_converted(one, parts[0], unit, least) for one in value)
+        parts = next((get_args(item) for item in kinds if _is_array(item)), (Any,))
+        return tuple(_converted(item, parts[0], unit, least) for item in value)
     if isinstance(value, Mapping) and float in get_args(kind):
-        return {name: _converted(one, float, unit, least) for name, one in value.items()}
+        return {name: _converted(item, float, unit, least) for name, item in value.items()}
     return value
 
 
@@ -153,7 +153,7 @@ def _is_array(kind: Any) -> bool:
 
 
 NUMBER: dict[str, Any] = {"type": ["number", "string"]}
-"""Of a number, which may be a text with a unit."""
+"""The form of a number, which may be a text with a unit."""
 
 
 def _schema(kind: Any) -> dict[str, Any]:
@@ -166,7 +166,7 @@ def _schema(kind: Any) -> dict[str, Any]:
         return {"type": "array", **items, **size}
     if origin in (Union, UnionType):
         several = [_schema(part) for part in parts]
-        names = ["number" if one == NUMBER else one["type"] for one in several]
+        names = ["number" if form == NUMBER else form["type"] for form in several]
         return {**several[0], **several[1], "type": names}
     if kind is float:
         return dict(NUMBER)
@@ -183,5 +183,5 @@ def written(value: Any) -> str:
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{name} = {written(one)}" for name, one in value.items()) + " }"
-    return "[" + ", ".join(written(one) for one in value) + "]"
+        return "{ " + ", ".join(f"{name} = {written(item)}" for name, item in value.items()) + " }"
+    return "[" + ", ".join(written(item) for item in value) + "]"

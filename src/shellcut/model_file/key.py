@@ -38,7 +38,7 @@ class Key:
     also: str = ""
     """A second accepted name."""
     kinds: tuple[Kind, ...] = ()
-    """Of the table, or of the tables, if the value is one or an array of them."""
+    """Kinds of the table, if the value is a table or an array of tables."""
 
     @property
     def is_several(self) -> bool:
@@ -56,7 +56,7 @@ class Key:
         return self.default is not REQUIRED and self.default is not None
 
     @property
-    def told(self) -> str:
+    def default_text(self) -> str:
         """The default as in a model file, or what holds without."""
         if self.has_default:
             return written(self.default)
@@ -142,7 +142,7 @@ class Section:
         for name, key in self.of.keys.items():
             value = self.values[name]
             if key.is_several:
-                yield from ((name, f".{n}", one) for n, one in enumerate(value or ()))
+                yield from ((name, f".{n}", entry) for n, entry in enumerate(value or ()))
             elif key.kinds and value is not None:
                 yield name, "", value
 

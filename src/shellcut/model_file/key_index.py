@@ -18,7 +18,7 @@ QUESTIONS = {
     "docs/howto/sharp.md": ("How sharp must the edge be?", "sharp blunt radius edge wear sever"),
     "docs/howto/own-film.md": (
         "How do I model my film and mouth?",
-        "film foil mouth neck rim disc",
+        "film foil mouth neck border disc",
     ),
     "docs/howto/own-tool.md": ("How do I model my tool?", "tool cap knife blade step stl cad"),
     "docs/howto/converge.md": ("How sure is the number?", "mesh converge error accuracy finer"),
@@ -26,7 +26,7 @@ QUESTIONS = {
 """By page: the question that it answers, and words under which it is found."""
 
 _ALSO_SAID = {
-    ("[membrane]", "radius"): "mouth neck",
+    ("[membrane]", "radius"): "mouth neck rim",
     ("[membrane]", "outline"): "mouth neck",
     ("[membrane]", "clamp"): "mouth neck seal",
     ("[tool]", "file"): "cap knife",
@@ -42,7 +42,7 @@ class Table:
     Examples
     --------
     >>> pitch = found(["pitch"])[0].keys["pitch"]
-    >>> pitch.wants, pitch.option.unit, pitch.told, pitch.option.text
+    >>> pitch.wants, pitch.option.unit, pitch.default_text, pitch.option.text
     ('number', 'mm', '12.0', 'advance per turn; 0 for a pure rotation')
     """
 
@@ -106,8 +106,8 @@ def found(words: Sequence[str]) -> list[Table]:
         keys = {}
         for name, key in table.keys.items():
             also = _ALSO_SAID.get((table.title, name), "")
-            told = (name, key.also, key.wants, key.option.unit, key.option.text, also)
-            if all(word in own or word in " ".join(told).lower() for word in wanted):
+            texts = (name, key.also, key.wants, key.option.unit, key.option.text, also)
+            if all(word in own or word in " ".join(texts).lower() for word in wanted):
                 keys[name] = key
         if keys:
             chosen.append(replace(table, keys=keys))

@@ -56,7 +56,7 @@ def presets() -> dict[str, dict[str, Any]]:
 def preset_names(*, layers: bool | None = None) -> tuple[str, ...]:
     """Return the names; of laminates, or of single layers, only if asked for."""
     every = presets().items()
-    return tuple(name for name, one in every if layers in (None, "layers" in one["material"]))
+    return tuple(name for name, preset in every if layers in (None, "layers" in preset["material"]))
 
 
 @checked
@@ -92,17 +92,17 @@ def read_hardening(
 
 def _column(table: NumberTable, word: str, usual: str) -> tuple[int, float]:
     """Return the column whose heading has a word, and the factor of its unit."""
-    found = [k for k, one in enumerate(table.headings) if word in one.name.lower()]
+    found = [k for k, heading in enumerate(table.headings) if word in heading.name.lower()]
     if len(found) != 1:
         raise ValueError(
             f"one heading must name the {word}, as 'plastic strain [-]' and 'true stress [MPa]', "
-            f"got {', '.join(repr(one.text) for one in table.headings)}"
+            f"got {', '.join(repr(heading.text) for heading in table.headings)}"
         )
     heading = table.headings[found[0]]
     if _OTHER.search(heading.name):
         raise ValueError(
-            f"a hardening table must have plastic strains and true stresses, got {heading.text!r}; "
-            "shellcut tensile makes a section of a nominal curve"
+            "a hardening table must have plastic strains and true stresses, got "
+            f"{heading.text!r}; shellcut tensile makes a section from a nominal curve"
         )
     try:
         return found[0], conversion(heading.unit or usual, usual)
@@ -126,18 +126,18 @@ def _made_by(owner: Constructor, name: str, sign: str, doc: str, *only: str) -> 
 
 
 HARDENINGS = (
-    _made_by(Voce, "voce", "gain", "The yield stress saturates, but for a straight rise."),
-    _made_by(Linear, "linear", "yield_stress", "The yield stress rises straight, or stays."),
+    _made_by(Voce, "voce", "gain", "The yield stress saturates; a linear rise can be added."),
+    _made_by(Linear, "linear", "yield_stress", "The yield stress rises linearly, or is constant."),
     _made_by(Swift, "swift", "exponent", "A power of the plastic strain."),
     _made_by(
-        Table, "table", "plastic_strain", "Straight between points.", "plastic_strain", "stress"
+        Table, "table", "plastic_strain", "Linear between points.", "plastic_strain", "stress"
     ),
-    _made_by(read_hardening, "file", "file", "Straight between the points of a file."),
+    _made_by(read_hardening, "file", "file", "Linear between the points of a file."),
 )
 """Kinds of ``[material.hardening]``; a key is recognised as of the first that it identifies."""
 RATES = (
-    _made_by(CowperSymonds, "cowper_symonds", "exponent", "A power of the rate."),
-    _made_by(JohnsonCook, "johnson_cook", "factor", "The logarithm of the rate."),
+    _made_by(CowperSymonds, "cowper_symonds", "exponent", "A power of the strain rate."),
+    _made_by(JohnsonCook, "johnson_cook", "factor", "The logarithm of the strain rate."),
 )
 """Kinds of ``[material.rate]``."""
 _NO_AXES = "isotropic"
@@ -155,8 +155,8 @@ _LAYER = {
     "young_across": optional(keys_of(Orthotropic)["young_across"], _NO_AXES),
     "shear": optional(keys_of(Orthotropic)["shear"], _NO_AXES),
     **keys_of(Orthotropic, "shear_through", "shear_through_across"),
-    "hardening": table_key("yield stress by plastic strain", HARDENINGS, "it does not yield"),
-    "rate": table_key("factor on the yield stress by the rate", RATES, "no effect"),
+    "hardening": table_key("yield stress over plastic strain", HARDENINGS, "no yielding"),
+    "rate": table_key("factor on the yield stress over strain rate", RATES, "no effect"),
     **keys_of(Plastic, "r_values"),
     **keys_of(Orthotropic, "angle_deg"),
 }
@@ -191,7 +191,7 @@ PLY = Kind(
 _PAPER = signature(ShellMaterial.homogeneous).parameters
 HOMOGENEOUS = Kind(
     "A single layer.", {**_preset(), **_LAYER, **_FILM}, ShellMaterial.homogeneous, make=_film
-).with_keys(**{name: one.default for name, one in _PAPER.items() if name in _LAYER})
+).with_keys(**{name: parameter.default for name, parameter in _PAPER.items() if name in _LAYER})
 LAMINATE = Kind(
     "Layers through the thickness.",
     {
@@ -287,7 +287,7 @@ def filled_in(table: dict[str, Any]) -> dict[str, Any]:
         keys = _of_both(preset, table)
     layers = keys.get("layers")
     if isinstance(layers, list):
-        filled = [filled_in(one) if isinstance(one, dict) else one for one in layers]
+        filled = [filled_in(layer) if isinstance(layer, dict) else layer for layer in layers]
         keys = {**keys, "layers": filled}
     return keys
 

@@ -60,7 +60,7 @@ class Model:
         return build(self)
 
     def parts(self) -> ModelParts:
-        """Return those of film, held nodes, tool and motion that can be built.
+        """Return those of film, supported nodes, tool and motion that can be built.
 
         Used to draw a refused model; :meth:`build` reports the problems of the other parts.
         """
@@ -92,10 +92,10 @@ class Model:
     def files(self) -> list[str]:
         """Return the absolute paths of the files the model reads."""
         return [
-            str(one.values[name])
-            for one in self.titled().values()
-            for name, key in one.of.keys.items()
-            if key.is_file and one.values[name] is not None
+            str(section.values[name])
+            for section in self.titled().values()
+            for name, key in section.of.keys.items()
+            if key.is_file and section.values[name] is not None
         ]
 
     def changed_files(self) -> list[str]:

@@ -1,6 +1,6 @@
 """Override values of a model file, by section and key or by key alone.
 
-Of an array of tables a key names one by its place from 0 on, between dots or in brackets:
+A key names a table of an array by its number from 0 on, between dots or in brackets:
 ``material.layers.0.thickness``, ``layers[0].thickness``, ``loads[1].value``. :func:`spelled` gives
 all of them one spelling, with dots, that of messages, tables and files.
 """
@@ -23,7 +23,7 @@ from .source import KeyPath, Source, beyond_all, titled_path
 _LONGEST_PLACE = 80  # characters of a setting in a message
 _IN_BRACKETS = re.compile(r"\[\s*([^\[\]]*?)\s*\]")
 _SECTION_OF = {"layers": "material"}
-"""Of arrays of tables within one: the place tells them from other keys of their name."""
+"""Section of an array of tables in it: its number tells it from other keys of the name."""
 
 
 def spelled(name: str) -> str:
@@ -44,7 +44,7 @@ def overridden(
 ) -> Source:
     """Return a source with keys replaced; each must be in one section, else a ModelFileError.
 
-    ``say`` is told which keys of the user's file give way to another kind of section.
+    ``say`` is called with the keys of the user's file that another kind of section replaces.
     """
     if not overrides:
         return source
@@ -81,9 +81,9 @@ def overridden(
         except ValueError as problem:
             problems.append(Problem(place, str(problem)))
             continue
-        if told := [name for name in gone if (*table, name) in source.lines]:
-            where = source.place((*table, told[0]))
-            say(f"{place}: takes the place of {', '.join(told)} in {titled_path(table)} ({where})")
+        if replaced := [name for name in gone if (*table, name) in source.lines]:
+            where = source.place((*table, replaced[0]))
+            say(f"{place}: replaces {', '.join(replaced)} in {titled_path(table)} ({where})")
         settings[path] = place
     if problems:
         raise ModelFileError(problems)
@@ -93,7 +93,7 @@ def overridden(
 def _set(
     values: dict[str, Any], path: KeyPath, value: object, kinds: Kinds, keep: Collection[str]
 ) -> list[str]:
-    """Set a key of a section or table, and return the keys that give way to it.
+    """Set a key of a section or table, and return the keys that it replaces.
 
     Those are the keys of other kinds only, if the key identifies a kind, or names it: the present
     one, if that has the key. Unknown keys and those to ``keep`` remain, and are refused later.
@@ -126,7 +126,7 @@ def _set(
 def _copied(around: Any, path: KeyPath, step: str | int) -> Any:
     """Put a copy of the table or array at a path into what is around it; return the copy.
 
-    ``step`` goes on from there: a place in an array, or a key of a table.
+    ``step`` is the next part of the path: a place in an array, or a key of a table.
     """
     key, title = path[-1], titled_path(path)
     if isinstance(key, str) and isinstance(step, int) and key not in around:
@@ -137,7 +137,7 @@ def _copied(around: Any, path: KeyPath, step: str | int) -> Any:
         raise ValueError(f"{title} must be {'a section' if wanted is dict else 'several tables'}")
     if isinstance(step, int) and step >= len(inner):
         known = f"the file has {len(inner)}, from 0 on" if inner else "the file has none"
-        raise ValueError(f"{title} has no place {step}: {known}; write one there")
+        raise ValueError(f"{title} has no table {step}: {known}; write it in the file")
     around[key] = inner.copy()
     return around[key]
 
@@ -179,7 +179,7 @@ def _dotted(name: str, layout: Mapping[str, Kinds], model: str) -> KeyPath:
         if is_array and not is_place:
             rest = f".{part}" if part.isidentifier() else ""
             raise ValueError(
-                f"{whole} are several tables: name one by its place from 0 on, {whole}.0{rest}"
+                f"{whole} has several tables: choose one by its number from 0 on, {whole}.0{rest}"
             )
         if is_place and not is_array:
             raise ValueError(f"{whole} is set as a whole: {whole}=...")

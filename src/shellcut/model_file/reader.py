@@ -32,7 +32,7 @@ FILES = "files"
 _LARGEST = 10_000_000  # bytes of a model file; the shipped ones have a few thousand
 
 _ENDINGS = {"step", "stp", "iges", "igs", "obj", "ply", "msh", "inp", "k", "vtu", "csv"}
-"""Of files; those who know ``stl`` try them as keys."""
+"""Suffixes of files; users try them as keys, as ``stl``."""
 
 _LONGEST_TEXT = 1000  # characters of a problem; it may quote a value of any length
 
@@ -74,7 +74,7 @@ def read_model(
 def model_of_text(text: str, name: str) -> Model:
     """Return the model of a text from :func:`.writer.model_text`, whose paths are absolute.
 
-    ``name`` stands for the file in a ModelFileError.
+    ``name`` is used for the file in a ModelFileError.
     """
     return _Reading(parse(text, name, Path.cwd())).model()
 
@@ -141,11 +141,11 @@ def preset_film(name: str, **keys: object) -> ShellMaterial:
 
 
 def shipped_models() -> dict[str, str]:
-    """Return the text of each model file that comes with the package, by name."""
+    """Return the text of each model file of the package, by name."""
     folder = files("shellcut.models")
     entries = sorted(folder.iterdir(), key=lambda entry: entry.name)
     found = [entry for entry in entries if entry.name.endswith(".toml")]
-    return {one.name.removesuffix(".toml"): one.read_text(encoding="utf-8") for one in found}
+    return {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8") for entry in found}
 
 
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
@@ -212,7 +212,7 @@ class _Reading:
         recorded = {str(k): str(v) for k, v in self.table(FILES).items()}
         if self.problems:
             whole = {title: section for title, section in read.items() if section is not None}
-            those = {title: tuple(one for one in each if one) for title, each in several.items()}
+            those = {title: tuple(filter(None, each)) for title, each in several.items()}
             self.raise_if_wrong(Model(HEAD(model=known), whole, those, {}, self.source))
         assert head is not None
         return Model(head, read, several, recorded, self.source)  # type: ignore[arg-type]
@@ -236,7 +236,7 @@ class _Reading:
 
     def array(self, title: str) -> list[dict[str, Any]]:
         array = self.source.values.get(title, [])
-        if isinstance(array, list) and all(isinstance(one, dict) for one in array):
+        if isinstance(array, list) and all(isinstance(table, dict) for table in array):
             return array
         self.say((title,), f"[[{title}]] must be written with double brackets")
         return []
@@ -245,7 +245,7 @@ class _Reading:
         known = [*SECTIONS[model], *LISTS[model]]
         said = f"unknown section [{title}]{guess(title, known) or listed(known)}"
         if title in LISTS["free"]:
-            said = f'[[{title}]] belongs to model = "free"; the {model} holds its film by itself'
+            said = f'[[{title}]] belongs to model = "free"; the {model} model has its own supports'
         self.say((title,), said)
 
     def section(
@@ -315,7 +315,7 @@ class _Reading:
                 if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
                     other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
                     fits = set(kind.names()) - {"kind"}
-                    rest = ", ".join(one for one in table if one not in fits)
+                    rest = ", ".join(other_key for other_key in table if other_key not in fits)
                     text = f"{shown} and {other} exclude each other: leave out {name}, or {rest}"
                 self.say(place, text)
                 return
@@ -340,7 +340,7 @@ class _Reading:
             return None
         if key.is_several:
             each = enumerate(read)
-            return tuple(self.section(key.kinds, one, (*path, n), "") for n, one in each)
+            return tuple(self.section(key.kinds, entry, (*path, n), "") for n, entry in each)
         if key.kinds:
             return self.section(key.kinds, read, path, "")
         if not key.is_file:

@@ -61,22 +61,22 @@ def settings() -> dict[str, Any]:
     The place in an array of tables is :data:`.section_table.ENTRY`.
     """
     found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
-    told: dict[str, str] = {}
-    arrays = [one.title.strip("[]") for one in tables() if one.title.startswith("[[")]
+    meanings: dict[str, str] = {}
+    arrays = [each.title.strip("[]") for each in tables() if each.title.startswith("[[")]
     for table in tables():
         title = f"{table.title.strip('[]')}."
-        if array := next((one for one in arrays if title.startswith(f"{one}.")), ""):
+        if array := next((known for known in arrays if title.startswith(f"{known}.")), ""):
             title = title.replace(array, f"{array}.{ENTRY}", 1)
         kind = {"kind": {"const": table.kind.name}} if table.kind.name else {}
         for name, of in (kind | _properties(table.kind)).items():
             # Kinds and models may give a key other defaults and meanings.
             bare = {word: v for word, v in of.items() if word not in ("default", "description")}
             for key in {name if not array else "", f"{title}{name}".lstrip(".")} - {""}:
-                told.setdefault(key, of.get("description", ""))
+                meanings.setdefault(key, of.get("description", ""))
                 if bare not in found.setdefault(key, []):
                     found[key].append(bare)
     return {
-        key: {"description": told.get(key, ""), **(of[0] if len(of) == 1 else {"anyOf": of})}
+        key: {"description": meanings.get(key, ""), **(of[0] if len(of) == 1 else {"anyOf": of})}
         for key, of in sorted(found.items())
     }
 
@@ -99,8 +99,8 @@ def _section(kinds: Kinds) -> dict[str, Any]:
     found = schema_of(kinds[0])
     for kind in reversed(kinds if len(kinds) > 1 else ()):
         named = {"properties": {"kind": {"const": kind.name}}, "required": ["kind"]}
-        signs = [one for one in (kind.sign, kind.also_sign) if one]
-        signed = {"anyOf": [{"required": [one]} for one in signs]} if signs else False
+        signs = [sign for sign in (kind.sign, kind.also_sign) if sign]
+        signed = {"anyOf": [{"required": [sign]} for sign in signs]} if signs else False
         chosen = {"if": {"required": ["kind"]}, "then": named, "else": signed}
         found = {"if": chosen, "then": schema_of(kind), "else": found}
     names = [kind.name for kind in kinds if kind.name]
@@ -123,7 +123,7 @@ def schema_of(kind: Kind) -> dict[str, Any]:
 
 def _properties(kind: Kind) -> dict[str, Any]:
     each = kind.keys.items()
-    return {one: _key(key) for name, key in each for one in (name, key.also) if one}
+    return {spelling: _key(key) for name, key in each for spelling in (name, key.also) if spelling}
 
 
 def _key(key: Key) -> dict[str, Any]:
@@ -140,8 +140,8 @@ def _key(key: Key) -> dict[str, Any]:
     bounds = {word: getattr(option, name) for name, word in _BOUNDS.items()}
     unit = f"[{option.unit}] " if option.unit else ""
     default = {} if key.default in (REQUIRED, None) else {"default": key.default}
-    told = {"description": f"{unit}{option.text}", **default}
-    return found | {word: value for word, value in bounds.items() if value is not None} | told
+    meaning = {"description": f"{unit}{option.text}", **default}
+    return found | {word: value for word, value in bounds.items() if value is not None} | meaning
 
 
 def _name(unit: str) -> str:

@@ -1,6 +1,6 @@
 """Sections of each model and their kinds; the first kind is the default.
 
-What a key is stands at the argument of the constructor. Here stands which constructors a section
+What a key means is declared at the argument of the constructor. Here are the constructors a section
 describes, and which defaults a ready model gives them.
 """
 
@@ -33,7 +33,7 @@ from shellcut.models.oscillating import (
     BAR_LAW,
     STIFFNESS_DAMPING,
     bar_before,
-    way_of,
+    motion_of,
 )
 from shellcut.models.path_film import disc_outline, film_along_path
 from shellcut.models.trouser import (
@@ -103,8 +103,8 @@ def _disc(section: Section) -> Any:
     if given := [name for name in (*_SIZES, "holes") if section.values.get(name)]:
         own = "n_side" if "n_side" in section.values else f"mesh = {section.mesh}"
         raise ValueError(
-            f"{given[0]} is of a disc meshed by Gmsh, got it with {own}, of a structured one: "
-            "leave out one of them"
+            f"{given[0]} is for a disc meshed by Gmsh, but {own} makes a structured one: leave "
+            "out one of them"
         )
     return section.called()
 
@@ -115,8 +115,8 @@ def _drawn(section: Section) -> Any:
 
 
 OPENING_DISC = Kind(
-    "The disc of the opening test, radius 10.2 mm, with node sets rim, ring and centre; path: by "
-    "Gmsh, with rim.",
+    "The disc of the opening test, radius 10.2 mm, with node sets `rim`, `ring` and `centre`; "
+    "path: by Gmsh, with `rim`.",
     {
         "mesh": replace(keys_of(opening_test)["mesh"], owner=opening_disc, parameter="name"),
         "size_at_path": _SIZES["size_at_path"],
@@ -136,15 +136,15 @@ STRIP = Kind(
     spread=True,
 )
 RECTANGLE = Kind(
-    "A sheet, x from 0, y about 0, with node sets left, right, bottom and top.",
+    "A sheet, x from 0, y about 0, with node sets `left`, `right`, `bottom` and `top`.",
     keys_of(rectangle) | _FREE,
     rectangle,
     name="rectangle",
     sign="length",
 )
 DISC = Kind(
-    "A disc about the origin, with the node set rim. By Gmsh, or with n_side structured, with "
-    "centre and one set per ring.",
+    "A disc about the origin, with the node set `rim`. By Gmsh, or with n_side structured, with "
+    "`centre` and one set per ring.",
     {
         **keys_of(disc),
         "n_side": optional(keys_of(disc)["n_side"], "meshed by Gmsh"),
@@ -167,7 +167,8 @@ FILM_FILE = Kind(
     deferred=True,
 )
 OUTLINE = Kind(
-    "A mesh of a polygon with holes, made by Gmsh; node sets outline, rim (the same), hole_1, ...",
+    "A mesh of a polygon with holes, made by Gmsh; node sets `outline`, `rim` (the same), "
+    "`hole_1`, ...",
     keys_of(mesh_from_outline, "outline", "holes") | _SIZES,
     mesh_from_outline,
     name="outline",
@@ -176,7 +177,7 @@ OUTLINE = Kind(
     outline=lambda section: (section.outline, section.holes),
 )
 DRAWING = Kind(
-    "A mesh of the outline in a DXF drawing, by Gmsh; node sets outline, rim, hole_1, ...",
+    "A mesh of the outline in a DXF drawing, by Gmsh; node sets `outline`, `rim`, `hole_1`, ...",
     keys_of(read_drawing, renamed={"path": "drawing"}) | _SIZES,
     read_drawing,
     name="drawing",
@@ -206,10 +207,10 @@ def _placeable(kind: Kind) -> Kind:
 
 _MADE_TOOL = {
     "shift": own_key(
-        FORMS["3 numbers"], "moves the tool before the run", (0.0, 0.0, 0.0), unit="mm"
+        FORMS["3 numbers"], "translation of the tool before the run", (0.0, 0.0, 0.0), unit="mm"
     ),
     "edges": own_key(
-        choice("all", "none"), "which edges cut; a tool without is blunt, it only pushes", "all"
+        choice("all", "none"), "which edges cut; a tool without cutting edges only presses", "all"
     ),
 }
 
@@ -222,7 +223,7 @@ def _tool(section: Section) -> Tool:
 
 
 TEETH = Kind(
-    "A ring of teeth about the z axis that goes down through the film z = 0.",
+    "A ring of teeth about the z axis that moves down through the film z = 0.",
     keys_of(tooth_ring, renamed={"n_teeth": "teeth"}) | _MADE_TOOL,
     tooth_ring,
     name="teeth",
@@ -230,7 +231,7 @@ TEETH = Kind(
     make=_tool,
 )
 BLADE = Kind(
-    "A wedge that moves along +x, its edge through the origin.",
+    "A wedge that moves along +x, its cutting edge through the origin.",
     keys_of(straight_blade) | _MADE_TOOL,
     straight_blade,
     name="blade",
@@ -238,7 +239,7 @@ BLADE = Kind(
     make=_tool,
 )
 STRIP_BLADE = Kind(
-    "A wedge that moves along +x, its edge opening_u / 80 before the strip.",
+    "A wedge that moves along +x, its cutting edge opening_u / 80 before the strip.",
     {**BLADE.keys, "length": optional(BLADE.keys["length"], "as long as the strip")},
     straight_blade,
     name="blade",
@@ -272,7 +273,7 @@ OPENING_SCREW = Kind(
     spread=True,
 )
 SCREW = Kind(
-    "Turn about an axis and advance in proportion, from rest.",
+    "A turn about an axis with an advance in proportion, from rest.",
     keys_of(ScrewMotion.over),
     ScrewMotion.over,
     name="screw",
@@ -286,7 +287,7 @@ STRAIGHT = Kind(
     sign="direction",
 )
 TABLE = Kind(
-    "Through poses of a CSV file, with a unit in each heading.",
+    "Through the poses of a CSV file with a unit in each heading.",
     keys_of(TableMotion.read_csv, renamed={"path": "file"})
     | {"duration": optional(keys_of(free_cut)["duration"], "to the last time")},
     TableMotion.read_csv,
@@ -296,8 +297,8 @@ TABLE = Kind(
 )
 
 
-def _way(doc: str, builder: Constructor, names: tuple[str, ...], constructor: Any = None) -> Kinds:
-    return (Kind(doc, keys_of(builder, *names), constructor, name="straight", spread=True),)
+def _straight(doc: str, builder: Constructor, names: tuple[str, ...], by: Any = None) -> Kinds:
+    return (Kind(doc, keys_of(builder, *names), by, name="straight", spread=True),)
 
 
 # --- cracks, contact, step, output ---------------------------------------------------------------
@@ -326,21 +327,21 @@ def _laws(like: CohesiveLaw) -> Kinds:
             CohesiveLaw,
             name="trapezoid",
         ),
-        made_by(CohesiveTable.linear, "linear", "", "It falls straight to zero."),
-        made_by(CohesiveTable.bilinear, "bilinear", "knee_opening", "It falls in two parts."),
+        made_by(CohesiveTable.linear, "linear", "", "It falls linearly to zero."),
+        made_by(CohesiveTable.bilinear, "bilinear", "knee_opening", "It falls along two lines."),
         made_by(
             CohesiveTable.exponential,
             "exponential",
             "fracture_energy",
-            "strength exp(-length strength / fracture_energy), by 100 points.",
+            "strength exp(-length strength / fracture_energy), given by 100 points.",
         ),
-        made_by(CohesiveTable, "table", "openings", "Straight between points of one's own."),
+        made_by(CohesiveTable, "table", "openings", "Linear between given points."),
     )
 
 
 CONTACT = Kind(
     "Penalty contact with the tool, and of the film with itself.",
-    keys_of(Contact, defaults={"film_edges": False}),
+    keys_of(Contact),
     Contact,
 )
 FRACTURE = Kind("How cracks start and run.", keys_of(Fracture), Fracture)
@@ -355,7 +356,7 @@ DAMPING = Kind(
 
 def _damped_by(beta: str, **defaults: Any) -> Kind:
     """Return the section of a model with a stiffness damping of its own by default."""
-    unset = optional(DAMPING.keys["beta"], f"{beta}, else that of the share")
+    unset = optional(DAMPING.keys["beta"], f"{beta}, else from the share")
     return DAMPING.with_keys({"beta": unset}, **defaults)
 
 
@@ -369,7 +370,7 @@ OUTPUT = Kind(
 
 def _unsteered(like: Fracture, *names: str) -> Kind:
     keys = keys_of(Fracture, "check_every", *names, like=like)
-    doc = "The crack goes through the quads; nothing steers it."
+    doc = "The crack runs through the quads; nothing steers it."
     return Kind(doc, keys, Fracture, fixed={"path": "free"})
 
 
@@ -394,7 +395,7 @@ def _load(doc: str, constructor: Constructor, name: str, sign: str) -> Kind:
 
 
 SUPPORT = Kind(
-    "Hold or move nodes, any number of [[supports]].",
+    "Nodes that are fixed or moved, any number of [[supports]].",
     keys_of(Support, defaults={"velocity": None, "spin": None}),
     Support,
     make=_support,
@@ -405,7 +406,7 @@ LOADS = (
     _load("A force on every node of a set.", NodalForce, "force", "force"),
     _load("A moment on the director of every node of a set.", NodalMoment, "moment", "moment"),
     _load(
-        "A force per length on the boundary edges between nodes of a set.",
+        "A force per length on the sides of the border between nodes of a set.",
         EdgeTraction,
         "traction",
         "traction",
@@ -457,12 +458,11 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
         ),
         (OPENING_SCREW,),
         (TEETH, TOOL_FILE),
-        contact=CONTACT.with_keys(film_edges=True),
         damping=_damped_by(f"{PAPER_DAMPING:g} s on the package's discs"),
     ),
     "guillotine": _layout(
         (STRIP, FILM_FILE.with_keys(keys_of(guillotine, "clamp", "notch"))),
-        _way(
+        _straight(
             "Along the strip, with a ramp over the first 0.1 ms.",
             guillotine,
             ("speed", "slice_ratio", "travel"),
@@ -493,7 +493,7 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
                 spread=True,
             ),
         ),
-        _way("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),
+        _straight("Ends of the legs, one up and one down.", trouser, ("speed", "ramp", "travel")),
         film=HOMOGENEOUS.with_keys(thickness=THICKNESS),
         law=TEAR_LAW,
         contact=None,
@@ -510,11 +510,11 @@ SECTIONS: Mapping[str, Mapping[str, Kinds]] = {
                 spread=True,
             ),
         ),
-        _way(
+        _straight(
             "Along the strip, with a ramp over the first ms.",
             oscillating,
             ("speed", "travel"),
-            way_of,
+            motion_of,
         ),
         (BAR,),
         film=HOMOGENEOUS.with_keys(**BAR_FILM),
@@ -568,10 +568,10 @@ GONE: Mapping[tuple[str, str], str] = {
     ("", "precision"): "leave it out: all is computed in double precision",
     ("output", "pvd"): "leave it out: ParaView reads the .vtkhdf file from 5.12 on",
     ("fracture", "stress_place"): "leave it out: the stress is read at the mid-surface",
-    ("fracture", "candidates"): "leave it out: crack tips and what an edge has pierced may split",
+    ("fracture", "candidates"): "leave it out: cracks start at tips and where the film is pierced",
     ("fracture", "path = imprint"): NO_IMPRINT,
     ("membrane", "imprint"): '[fracture] path = "free" cuts through the quads of any mesh, '
-    '"edges" along the edges there are',
+    '"edges" follows the sides of the quads',
     **{
         (owner, old): f"write {key} in [{owner}.{table}], where kind is {kind}"
         for owner in ("material", "material.layers")
@@ -582,7 +582,7 @@ GONE: Mapping[tuple[str, str], str] = {
 
 OF_OUTLINES: Mapping[tuple[str, str], str] = {
     ("file", name): f"[membrane].{name} is for films that Gmsh meshes from an outline; a film from "
-    "a file is as fine as it is: leave it out, or set refine, which divides each quad in four"
+    "a file keeps its mesh: leave it out, or set refine, which divides each quad in four"
     for name in ("size_at_path", "size", "holes")
 }
 """Keys of other kinds of films, by kind and key, and why they do not belong to it."""

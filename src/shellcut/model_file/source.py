@@ -142,24 +142,24 @@ def beyond_all(values: dict[str, Any]) -> str:
     level: list[Any] = [values]
     for _ in range(_DEEPEST + 1):
         level = [
-            one
+            value
             for thing in level
             if isinstance(thing, dict | list)
-            for one in (thing.values() if isinstance(thing, dict) else thing)
+            for value in (thing.values() if isinstance(thing, dict) else thing)
         ]
-        if any(isinstance(one, int) and abs(one) > _LARGEST_WHOLE for one in level):
+        if any(isinstance(value, int) and abs(value) > _LARGEST_WHOLE for value in level):
             return f"must hold whole numbers up to {_LARGEST_WHOLE}, as TOML requires"
     return _TOO_DEEP if any(isinstance(thing, dict | list) for thing in level) else ""
 
 
 def _entry_at(text: str, line: int) -> str:
-    """Return which heading or key stands at a line, or has a value that goes on there."""
+    """Return which heading or key is at a line, or has a value that continues there."""
     starts = [(start, path) for start, path in _starts(text) if start <= line]
     if not starts or not starts[-1][1]:
         return ""
     start, path = starts[-1]
     entry = text.splitlines()[start - 1].partition("=")[0].strip()
-    first = min(number for number, one in starts if one == path)
+    first = min(number for number, known in starts if known == path)
     return f", {entry} in line {start}" + (f", first in line {first}" if first < start else "")
 
 

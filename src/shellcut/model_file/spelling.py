@@ -44,8 +44,8 @@ def in_keys(text: str, source: Source | None = None) -> str:
 
 def _as_given(found: re.Match[str], source: Source) -> str:
     """Return what is said of the unit of a key, with the quantity that is given."""
-    tables = (one for one in source.values.values() if isinstance(one, dict))
-    for given in (one[found[1]] for one in tables if found[1] in one):
+    tables = (table for table in source.values.values() if isinstance(table, dict))
+    for given in (table[found[1]] for table in tables if found[1] in table):
         if isinstance(given, str) and (quantity := _QUANTITY.fullmatch(given)):
             smaller = f"{1e-3 * float(quantity[1]):g} {quantity[2]}"  # a slip of one SI prefix
             return f"you gave {given}; did you mean {smaller}?"

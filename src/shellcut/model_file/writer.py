@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from importlib.metadata import version
+
+from shellcut.files.distribution import VERSION
 
 from .forms import written
 from .key import Key, Section
 from .model import Model, digest_of
 from .reader import FILES
-
-_VERSION = version("shellcut")
 
 _HEAD = "#:schema ./shellcut.schema.json\n# sha256 of all below: "
 _COLUMN = 34
@@ -21,7 +20,7 @@ _COLUMN = 34
 def model_text(model: Model) -> str:
     """Return a model as TOML text; its second line is the digest of the rest."""
     lines = [
-        f"# shellcut {_VERSION}, model {model.head.model}: every default filled in.",
+        f"# shellcut {VERSION}, model {model.head.model}: every default filled in.",
         "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
         *_keys(model.head),
     ]
@@ -58,7 +57,7 @@ def _section(section: Section, title: str) -> Iterator[str]:
 
 
 def _entry_heading(title: str, place: str) -> str:
-    return _commented(f"[[{title}]]", f"{title}{place} in --set and messages")
+    return _commented(f"[[{title}]]", f"called {title}{place} in --set and messages")
 
 
 def _keys(section: Section) -> Iterator[str]:

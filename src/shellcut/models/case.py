@@ -7,18 +7,26 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
 
 from shellcut.arguments import Option
 from shellcut.checks import ModelCheck, check_model
 from shellcut.files.run_folder import USED
 from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.run_options import RunArguments
 from shellcut.signals import Interruption
 from shellcut.simulation.hooks import Hook, StopWhen
 from shellcut.simulation.simulation import Simulation
 
+from .options import CutOptions, ModelOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 _MOST_STEPS = 1e11
 """Steps of the longest run allowed: two months with the smallest film."""
+
+_Options = TypeVar("_Options", ModelOptions, CutOptions, dict[str, Any])
 
 _log = logging.getLogger(__name__)
 
@@ -28,26 +36,27 @@ Clamp: TypeAlias = Annotated[
 Notch: TypeAlias = Annotated[
     float,
     Option(
-        "mm", "length of the cut ahead of the edge that meets the film first; 0 for none", least=0
+        "mm", "length of the cut at the cutting edge that meets the film first; 0: none", least=0
     ),
 ]
 
 
-def time_of_way(way: float, speed: float, ramp: float) -> float:
-    """Return how long a motion [s] takes over a way along a strip, its speed rising over a ramp."""
-    if not way > 0.0:
-        raise ValueError(f"travel must be positive, got {way:.4g} mm: lengthen the strip")
-    return way / speed + 0.5 * ramp
+def time_of_travel(travel: float, speed: float, ramp: float) -> float:
+    """Return the time [s] of a travel along a strip [mm] whose speed rises over a ramp."""
+    if not travel > 0.0:
+        raise ValueError(f"travel must be positive, got {travel:.4g} mm: lengthen the strip")
+    return travel / speed + 0.5 * ramp
 
 
 PAPER_DAMPING = 5e-8
 """Stiffness damping of [Frangi2010] 5.2 [s], for the paper's meshes and strips like them."""
 
 
-def damped_by(beta: float, options: dict[str, Any]) -> dict[str, Any]:
+def damped_by(beta: float, options: _Options) -> _Options:
     """Return options of a simulation with a stiffness damping [s], unless they have one."""
-    given = (options.get(name) for name in ("damping_beta", "damping_share"))
-    return options if any(one is not None for one in given) else {**options, "damping_beta": beta}
+    if options.get("damping_beta") is None and options.get("damping_share") is None:
+        options["damping_beta"] = beta
+    return options
 
 
 @dataclass(frozen=True)
@@ -79,7 +88,7 @@ class Case:
         """Result of the checks before the run; call it at t = 0."""
         return check_model(self.simulation, self.duration)
 
-    def run(self, folder: str | os.PathLike[str], **options: Any) -> None:
+    def run(self, folder: str | os.PathLike[str], **options: Unpack[RunArguments]) -> None:
         """Run to the end and write everything to ``folder``, see :class:`Recorder`.
 
         Doubts of the model's checks are logged as warnings before the run, doubts about its
@@ -122,10 +131,16 @@ class Case:
             return
         self.go(recorder)
 
-    def recorder(self, folder: str | os.PathLike[str], **options: Any) -> Recorder:
+    def recorder(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        also: Sequence[str] = (),
+        **options: Unpack[RunArguments],
+    ) -> Recorder:
         """Return what writes the run to a folder, which it holds; options of :class:`Recorder`."""
         sim, until, name = self.simulation, self.duration, self.name
-        return Recorder(sim, folder, until=until, name=name, check=self.check, **options)
+        return Recorder(sim, folder, until=until, name=name, check=self.check, also=also, **options)
 
     def go(self, recorder: Recorder, also: Sequence[Hook] = ()) -> None:
         """Run to the end with a given recorder and further hooks, as :meth:`run` does.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -23,6 +23,10 @@ from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
 from .case import Case, Clamp, Notch
+from .options import CutOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _ROUND_OFF = 1e-9
 
@@ -33,18 +37,18 @@ def free_cut(
     *,
     tool: Tool,
     motion: Motion,
-    duration: Annotated[float, Option("s", "of the run", above=0)],
+    duration: Annotated[float, Option("s", "duration of the run", above=0)],
     notch: Notch = 0.0,
     clamp: Clamp = (),
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[CutOptions],
 ) -> Case:
     """Build a cut from its parts.
 
-    The notch lies along the path of the first edge that meets the film, from where it does. Along
-    edges it ends at the last node of the path within its length, through quads at the first side of
-    the mesh at or beyond it.
+    The notch lies along the path of the cutting edge that meets the film first, from there on.
+    Along quad sides it ends at the last node of the path within its length, through quads at the
+    first side of the mesh at or beyond it.
 
     Parameters
     ----------
@@ -55,33 +59,31 @@ def free_cut(
     material, law : ShellMaterial, CohesiveTable, optional
         The paper's film by default.
     **options
-        Options of :class:`Simulation`: ``supports`` besides ``clamp``, ``loads``, ``contact``,
-        ... Without a
-        ``fracture.path`` cracks follow edges where a line of them lies under the whole path, also
-        where the tool would go after the run, and go through quads elsewhere.
+        Options of :class:`Simulation`: ``supports`` besides ``clamp``, ``loads``, ``contact``, ...
+        Without a ``fracture.path`` cracks follow quad sides if a line of them lies under the whole
+        path, also where the tool would move after the run, and else run through quads.
 
     Returns
     -------
     Case
     """
-    fracture = with_path(mesh, tool, motion, duration, options.pop("fracture", None))
+    fracture = with_path(mesh, tool, motion, duration, options.get("fracture"))
+    options["fracture"] = fracture
     through_quads, film = fracture.path == "free", mesh
-    way = whole_sweep(mesh, tool, motion, duration) if notch and tool.n_edge else None
-    if way and not through_quads:
-        film = mesh.cut(_first_edges(way, notch))
-    held = [*map(Support.clamped, clamp), *options.pop("supports", ())]
+    sweep = whole_sweep(mesh, tool, motion, duration) if notch and tool.n_edge else None
+    if sweep and not through_quads:
+        film = mesh.cut(_notch_nodes(sweep, notch))
+    options["supports"] = [*map(Support.clamped, clamp), *options.get("supports", ())]
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
         tool=tool,
         motion=motion,
         law=law or CohesiveLaw(),
-        fracture=fracture,
-        supports=held,
         **options,
     )
-    if way and through_quads:
-        points, before = _first_way(way, notch)
+    if sweep and through_quads:
+        points, before = _notch_points(sweep, notch)
         outside = row_at(simulation.state, before) is None
         simulation.notch(*([before] if outside else []), *points)
     return Case("free", simulation, duration)
@@ -92,9 +94,9 @@ def with_path(
 ) -> Fracture:
     """Return the options of the cracks of a ready model with their path, ``"free"`` or ``"edges"``.
 
-    It is along edges where another option asks for them, or where a row of them lies under the
-    whole path of the cutting edges; through the quads everywhere else. A shorter run of the same
-    motion has the same path.
+    It is along quad sides if another option needs it, or if a row of sides lies under the whole
+    path of the cutting edges; else through the quads. A shorter run of the same motion has the same
+    path.
     """
     cracks = fracture or Fracture()
     free = cracks.needed_path is None and tool.n_edge > 0
@@ -106,7 +108,7 @@ def with_path(
 def whole_sweep(mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Sweep:
     """Return the path of the cutting edges however long the run is.
 
-    A screw makes one turn or more, a straight motion takes the tool past the film, a table goes to
+    A screw makes one turn or more, a straight motion takes the tool past the film, a table ends at
     its last row; other motions are known up to ``duration`` [s] only.
     """
     # Not isinstance: a derived class may move differently.
@@ -115,42 +117,42 @@ def whole_sweep(mesh: Mesh, tool: Tool, motion: Motion, duration: float) -> Swee
     elif type(motion) is StraightMotion:
         at_start = motion.pose(0.0).to_space(tool.vertices)
         along = unit(np.array(motion.direction, float))
-        way = product(mesh.nodes, along).max() - product(at_start, along).min()
-        duration = max(duration, motion.ramp, way / motion.speed + motion.ramp / 2)
+        distance = product(mesh.nodes, along).max() - product(at_start, along).min()
+        duration = max(duration, motion.ramp, distance / motion.speed + motion.ramp / 2)
     elif type(motion) is TableMotion:
         duration = max(duration, float(np.asarray(motion.times)[-1]))
     return Sweep.of(mesh, tool, motion, duration)
 
 
-def _first_edges(sweep: Sweep, notch: float) -> Ints:
-    """Return the nodes of a notch along the row of edges under the first edge, shape (n,)."""
+def _notch_nodes(sweep: Sweep, notch: float) -> Ints:
+    """Return the nodes of a notch along the row of sides under the first edge, shape (n,)."""
     if not lies_under(sweep):
         raise ValueError(
-            "a notch along edges needs a row of them under the whole path, got none: take path = "
-            "'free', or notch=0"
+            "a notch along quad sides needs a row of them under the whole path, got none: take "
+            "path = 'free', or notch=0"
         )
     chain = row_of(sweep, _first_to_meet(sweep))
-    way = np.cumsum(np.linalg.norm(np.diff(sweep.mesh.nodes[chain], axis=0), axis=1))
-    first = chain[: 1 + np.searchsorted(way, notch * (1.0 + _ROUND_OFF), side="right")]
+    distance = np.cumsum(np.linalg.norm(np.diff(sweep.mesh.nodes[chain], axis=0), axis=1))
+    first = chain[: 1 + np.searchsorted(distance, notch * (1.0 + _ROUND_OFF), side="right")]
     if len(first) < 2:
         raise ValueError(
-            f"the notch of {notch} mm must be at least one edge of the path long, "
-            f"{way[0]:.4g} mm: lengthen it, or pass 0"
+            f"the notch of {notch} mm must be at least one quad side of the path long, "
+            f"{distance[0]:.4g} mm: lengthen it, or pass 0"
         )
     return np.asarray(first)
 
 
 def _first_to_meet(sweep: Sweep) -> int:
-    """Return the number of the edge that meets the film first, -1 if none does."""
+    """Return the number of the cutting edge that meets the film first, -1 if none does."""
     begins = [(fate.first, fate.chain) for fate in sweep.fates if fate.first is not None]
     return min(begins, default=(0.0, -1))[1]
 
 
-def _first_way(sweep: Sweep, notch: float) -> tuple[Floats, Floats]:
-    """Return the way of the first edge that meets the film, of a given length, shape (n, 3) [mm].
+def _notch_points(sweep: Sweep, notch: float) -> tuple[Floats, Floats]:
+    """Return the path of the first cutting edge in the film, of a given length, shape (n, 3) [mm].
 
-    And the point an edge of the film before it, shape (3,): outside the film the notch begins at
-    the rim.
+    And the point a quad side before it, shape (3,): if outside the film, the notch begins at the
+    border.
     """
     mine = sweep.along_edge & (sweep.chain == _first_to_meet(sweep))
     _, first = np.unique(sweep.time[mine], return_index=True)
@@ -162,9 +164,9 @@ def _first_way(sweep: Sweep, notch: float) -> tuple[Floats, Floats]:
             "pass notch=0, or check place and motion of the tool"
         )
     places, steps = places[np.append(True, steps > 0.0)], steps[steps > 0.0]
-    way = np.append(0.0, np.cumsum(steps))
-    notch = min(notch, float(way[-1]))
-    n = int(np.searchsorted(way, notch))
-    end = [np.interp(notch, way, axis) for axis in places.T]
+    distance = np.append(0.0, np.cumsum(steps))
+    notch = min(notch, float(distance[-1]))
+    n = int(np.searchsorted(distance, notch))
+    end = [np.interp(notch, distance, axis) for axis in places.T]
     back = places[0] - sweep.edge_length[mine][0] / steps[0] * (places[1] - places[0])
     return np.array([*places[:n], end]), back

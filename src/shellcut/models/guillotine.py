@@ -4,14 +4,14 @@ Steady cutting takes the force F = G h for any blade, speed or mesh: all work go
 crack, G h per millimetre. The plateau begins after about 8 mm of cut, because a cable breaks only
 after some 2 mm of drag; the force is a sawtooth with the node spacing, so average it over whole
 periods. With classical cables, which the blade never meets, the flanks open by at most the blade's
-width w, and F = h ∫_0^w sigma dl. A blade that also moves along its edge slices
+width w, and F = h ∫_0^w sigma dl. A blade that also moves along its cutting edge slices
 (:mod:`shellcut.cables.joint_slip`).
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -27,15 +27,20 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
-from .case import PAPER_DAMPING, Case, Clamp, Notch, damped_by, time_of_way
+from .case import PAPER_DAMPING, Case, Clamp, Notch, damped_by, time_of_travel
 from .free_cut import free_cut, with_path
+from .options import CutOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # Gap between the cutting edge and the film's end at the start, over opening_u: 0.05 mm with the law
-# of the paper, little beside the way to the first cable.
+# of the paper, little beside the distance to the first cable.
 _CLEARANCE = 1.0 / 80.0
 
-# Way from the blade's last place to the end of the strip, over opening_u: the cables that it drags
-# reach half of that behind it, and it must not run out of film. 2.5 mm with the law of the paper.
+# Distance from the blade's last place to the end of the strip, over opening_u: the cables that it
+# drags reach half of that behind it, and it must not run out of film. 2.5 mm with the law of the
+# paper.
 _LEFT = 0.625
 
 # Of a coordinate, over the extent of the strip: round-off.
@@ -47,11 +52,11 @@ _EDGE_LEFT = 1.0 / 8.0
 _RAMP = 1e-4  # duration of the blade's acceleration [s]
 
 BLADE_HEIGHT = 3.0
-"""Of the default blade [mm]; it is as long as the strip."""
+"""Height of the default blade [mm]; it is as long as the strip."""
 
 
 def strip_of(length: float, width: float, size: float) -> Mesh:
-    """Return a strip from x = 0 to ``length``, y about 0, with quads of an edge length [mm]."""
+    """Return a strip from x = 0 to ``length``, y about 0, with quads of a side length [mm]."""
     return rectangle(length, width, size=size)
 
 
@@ -60,49 +65,50 @@ def guillotine(
     size: QuadSize = 0.4,
     *,
     mesh: Mesh | None = None,
-    length: Annotated[float, Option("mm", "along the cut", above=0)] = 30.0,
-    width: Annotated[float, Option("mm", "between the clamped sides", above=0)] = 8.0,
+    length: Annotated[float, Option("mm", "length along the cut", above=0)] = 30.0,
+    width: Annotated[float, Option("mm", "width between the clamped sides", above=0)] = 8.0,
     notch: Notch = 2.0,
     travel: Annotated[
         float | None,
         Option(
             "mm",
-            "of the blade",
+            "travel of the blade",
             above=0,
             unset="up to 0.625 opening_u before the end of the strip",
         ),
     ] = None,
-    speed: Annotated[float, Option("mm/s", "after a ramp of 0.1 ms", above=0)] = 6000.0,
+    speed: Annotated[float, Option("mm/s", "speed after a ramp of 0.1 ms", above=0)] = 6000.0,
     slice_ratio: Annotated[
-        float, Option("", "speed of the blade along its edge, upwards, over that along the strip")
+        float, Option("", "speed of the blade up its cutting edge over its speed along the strip")
     ] = 0.0,
     clamp: Clamp = ("bottom", "top"),
     tool: Tool | None = None,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[CutOptions],
 ) -> Case:
     """Build the guillotine.
 
-    Along edges the notch ends at the last node of the path within its length, through quads at the
-    first side of the mesh at or beyond it. An edge that slices must be long enough for it.
+    Along quad sides the notch ends at the last node of the path within its length, through quads at
+    the first side of the mesh at or beyond it. A cutting edge that slices must be long enough for
+    it.
 
     Parameters
     ----------
     mesh : Mesh, optional
         A flat strip of your own in z = 0 instead; ``size``, ``length`` and ``width`` are then
-        unused. The blade enters at the strip's end, on the y of its edge, 0 by default.
+        unused. The blade enters at the strip's end, on the y of its cutting edge, 0 by default.
     tool : Tool, optional
-        Moves along +x from x = 0, where its edge must be, on the y at which that goes through the
-        film; the notch lies there too. :func:`straight_blade` by default: edge at 90°
-        to the film, half-angle 10°, half thickness 0.3 mm, as long as the strip, because flanks
-        closing behind a short blade push it forward, and 3 mm high or as high as it slides.
+        Moves along +x from x = 0, where its cutting edge must be, on the y where that passes
+        through the film; the notch lies there too. :func:`straight_blade` by default: cutting edge
+        at 90° to the film, half-angle 10°, half thickness 0.3 mm, as long as the strip, because
+        flanks closing behind a short blade push it forward, and 3 mm high or as high as it slides.
     material, law : ShellMaterial, CohesiveTable, optional
         The paper's film by default.
     **options
-        Options of :class:`Simulation`. Without a ``fracture.path`` cracks follow edges where a line
-        of them lies on that y, as in the strip with an even ``width / size``, and go through quads
-        elsewhere.
+        Options of :class:`Simulation`. Without a ``fracture.path`` cracks follow quad sides if a
+        line of them lies on that y, as in the strip with an even ``width / size``, and else run
+        through quads.
 
     Returns
     -------
@@ -122,7 +128,8 @@ def guillotine(
     blade, motion, duration = blade_before(
         strip, tool, travel=travel, speed=speed, slice_ratio=slice_ratio, law=cables
     )
-    fracture = with_path(strip, blade, motion, duration, options.pop("fracture", None))
+    fracture = with_path(strip, blade, motion, duration, options.get("fracture"))
+    options["fracture"] = fracture
     y, through_quads = _lane_of(blade, strip), fracture.path == "free"
     film = strip if through_quads or notch <= 0.0 else _notched(strip, y, notch)
     cut = free_cut(
@@ -133,7 +140,6 @@ def guillotine(
         clamp=clamp,
         material=material,
         law=cables,
-        fracture=fracture,
         **options,
     )
     if notch > 0.0 and through_quads:
@@ -153,45 +159,45 @@ def blade_before(
 ) -> tuple[Tool, StraightMotion, float]:
     """Return the blade just before a strip, its motion along it, and the duration [s]."""
     start, extent = float(film.nodes[:, 0].min()), float(np.ptp(film.nodes[:, 0]))
-    way = extent - _LEFT * law.opening_u if travel is None else travel
-    duration = time_of_way(way, speed, _RAMP)
+    distance = extent - _LEFT * law.opening_u if travel is None else travel
+    duration = time_of_travel(distance, speed, _RAMP)
     blade = tool or straight_blade(
-        length=extent, height=BLADE_HEIGHT + 2.0 * abs(slice_ratio) * way
+        length=extent, height=BLADE_HEIGHT + 2.0 * abs(slice_ratio) * distance
     )
     direction = np.array([1.0, 0.0, 0.0])
     if slice_ratio != 0.0:
         along = _up_the_edge(blade)
-        _check_edge_left(blade, slice_ratio * way * along[2], _EDGE_LEFT * law.opening_u)
+        _check_edge_left(blade, slice_ratio * distance * along[2], _EDGE_LEFT * law.opening_u)
         direction += slice_ratio * along
     motion = StraightMotion(direction.tolist(), speed=speed * float(norm(direction)), ramp=_RAMP)
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
 
 
 def _up_the_edge(blade: Tool) -> Floats:
-    """Return the unit vector up the edge of a blade, from its lowest to its highest point, (3,)."""
+    """Return the unit vector up the cutting edge, from its lowest to its highest point, (3,)."""
     ends = blade.vertices[blade.edges.ravel()]
     if not len(ends):
-        raise ValueError("slice_ratio is of a cutting edge, and this tool has none")
+        raise ValueError("slice_ratio needs a cutting edge, and this tool has none")
     return unit(ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()])
 
 
 def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
-    """Refuse a blade whose edge leaves the film z = 0 while it rises by ``rise`` [mm]."""
+    """Refuse a blade whose cutting edge leaves the film z = 0 while it rises by ``rise`` [mm]."""
     heights = blade.vertices[blade.edges.ravel(), 2]
     below, above = -heights.min() - max(rise, 0.0), heights.max() + min(rise, 0.0)
     if min(below, above) < left:
         raise ValueError(
-            f"the edge must reach {left:.3g} mm beyond the film to the end of the cut, but it "
-            f"slides by {abs(rise):.4g} mm from {heights.min():.4g} to {heights.max():.4g} mm "
-            f"about the film: give the blade a height of {2.0 * (abs(rise) + left):.4g} mm or "
+            f"the cutting edge must reach {left:.3g} mm beyond the film to the end of the cut, "
+            f"but it slides by {abs(rise):.4g} mm from {heights.min():.4g} to {heights.max():.4g} "
+            f"mm about the film: give the blade a height of {2.0 * (abs(rise) + left):.4g} mm or "
             "more, or lower slice_ratio or travel"
         )
 
 
 def _lane_of(blade: Tool, film: Mesh) -> float:
-    """Return the y on which a blade goes through the film z = 0 [mm]; 0 for a tool without edges.
+    """Return the y at which a blade passes through the film z = 0 [mm]; 0 without cutting edges.
 
-    Raises ValueError if it goes past the film.
+    Raises ValueError if it passes beside the film.
     """
     low, high = film.nodes[:, 1].min(), film.nodes[:, 1].max()
     ends = blade.vertices[blade.edges]
@@ -205,9 +211,9 @@ def _lane_of(blade: Tool, film: Mesh) -> float:
     y = float(places[places[:, 0].argmax(), 1])
     if not low < y < high:
         raise ValueError(
-            f"the tool's edge must go through the strip, between y = {low:.4g} and {high:.4g} mm, "
-            f"got y = {y:.4g} mm: move the tool by {0.5 * (low + high) - y:.4g} mm in y ([tool] "
-            "shift)"
+            f"the tool's cutting edge must pass through the strip, between y = {low:.4g} and "
+            f"{high:.4g} mm, got y = {y:.4g} mm: move the tool by {0.5 * (low + high) - y:.4g} mm "
+            "in y ([tool] shift)"
         )
     return y if abs(y) > _ON_LINE * float(np.ptp(film.nodes[:, 0])) else 0.0
 
@@ -221,8 +227,8 @@ def _notched(mesh: Mesh, lane: float, notch: float) -> Mesh:
     within = line[x <= mesh.nodes[:, 0].min() + notch + _ON_LINE * float(np.ptp(mesh.nodes[:, 0]))]
     if len(within) < 2:
         raise ValueError(
-            f"the notch of {notch} mm must follow a line of edges in the middle and be at least "
-            f"one of them long, got nodes there at x = {np.array2string(x[:2], precision=4)} mm: "
-            "lengthen it, make width / size even, take fracture.path = 'free', or pass 0"
+            f"the notch of {notch} mm must follow a line of quad sides in the middle and be at "
+            f"least one side long, got nodes there at x = {np.array2string(x[:2], precision=4)} "
+            "mm: lengthen it, make width / size even, take fracture.path = 'free', or pass 0"
         )
     return mesh.cut(within)

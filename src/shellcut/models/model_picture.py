@@ -21,10 +21,10 @@ from shellcut.unit import in_unit, shown, with_unit
 from shellcut.view import mesh_edges, new_figure, save
 
 _FILM_COLOR = "0.55"
-_HELD_COLOR = "#1d3557"
+_SUPPORTED_COLOR = "#1d3557"
 _WORST_COLOR = "#f4a259"
 _TOOL_COLOR = "#a8b0ba"
-_WAY_COLOR = "#2a9d8f"
+_PATH_COLOR = "#2a9d8f"
 _TRACK_COLOR = "#3d3d3d"
 _NOTCH_COLOR = "#111111"
 _PULL_COLOR = "#d1495b"
@@ -32,7 +32,7 @@ _STAYS, _LEAVES, _NEVER = "#c1121f", "#9d4edd", "#0077b6"
 """Colours of the cutting edges: in the film until the end, leaving it, never in it."""
 
 _ARROW = 0.12  # length over the film's extent
-_ON_WAY = 60  # poses on the way of the tool that is drawn
+_N_POSE = 60  # poses on the path of the tool that is drawn
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,7 +40,7 @@ class ModelParts:
     """Parts of a model; None for a part that could not be built."""
 
     mesh: Mesh | None = None
-    held: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    supported: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     """Supported nodes."""
     tool: Tool | None = None
     motion: Motion | None = None
@@ -104,7 +104,7 @@ def draw_model(
             axes = figure.add_axes((left, bottom, width, height))
             view = _View(axes, i, j, factor)
             if parts.mesh is not None:
-                _draw_film(view, parts.mesh, parts.held, worst)
+                _draw_film(view, parts.mesh, parts.supported, worst)
             if parts.tool is not None:
                 _draw_tool(view, parts.tool, poses[k], sweep)
             _draw_motions(view, parts, sweep, with_track=k == 0)
@@ -130,7 +130,7 @@ def draw_model(
 
 @dataclass(frozen=True)
 class _View:
-    """Axes in which one looks along a coordinate axis."""
+    """Axes with a view along a coordinate axis."""
 
     axes: Any
     i: int
@@ -147,27 +147,28 @@ class _View:
         """Draw points, shape (n, 3) [mm]."""
         self.axes.plot(*self.flat(points).T, ".", ms=size, color=color, label=label)
 
-    def lines(self, ends: Floats, color: str, width: float, **look: Any) -> None:
+    def lines(self, ends: Floats, color: str, width: float, **style: Any) -> None:
         """Draw segments, shape (n, 2, 3) [mm]."""
         from matplotlib.collections import LineCollection
 
-        drawn = LineCollection(list(self.flat(ends)), colors=color, linewidths=width, **look)
+        drawn = LineCollection(list(self.flat(ends)), colors=color, linewidths=width, **style)
         self.axes.add_collection(drawn)
 
-    def faces(self, corners: Floats, color: str, **look: Any) -> None:
+    def faces(self, corners: Floats, color: str, **style: Any) -> None:
         """Fill polygons, shape (n, n_corner, 3) [mm]."""
         from matplotlib.collections import PolyCollection
 
-        self.axes.add_collection(PolyCollection(list(self.flat(corners)), facecolors=color, **look))
+        drawn = PolyCollection(list(self.flat(corners)), facecolors=color, **style)
+        self.axes.add_collection(drawn)
 
 
-def _draw_film(view: _View, mesh: Mesh, held: Ints, worst: Ints) -> None:
+def _draw_film(view: _View, mesh: Mesh, supported: Ints, worst: Ints) -> None:
     view.lines(mesh.nodes[mesh_edges(mesh.quads)], _FILM_COLOR, 0.4)
     if len(worst):
         label = f"{len(worst)} quads with the shortest steps"
         view.faces(mesh.nodes[mesh.quads[worst]], _WORST_COLOR, label=label)
-    if len(held):
-        view.dots(mesh.nodes[held], 3.0, _HELD_COLOR, f"{len(held)} held nodes")
+    if len(supported):
+        view.dots(mesh.nodes[supported], 3.0, _SUPPORTED_COLOR, f"{len(supported)} supported nodes")
 
 
 def _draw_tool(view: _View, tool: Tool, points: Floats, sweep: Sweep | None) -> None:
@@ -179,10 +180,10 @@ def _draw_tool(view: _View, tool: Tool, points: Floats, sweep: Sweep | None) -> 
 
 
 def _draw_motions(view: _View, parts: ModelParts, sweep: Sweep | None, *, with_track: bool) -> None:
-    """Draw where the edges pass through the film, the notch, supports that move, the tool's way."""
+    """Draw the paths of cutting edges in the film, the notch, moving supports, the tool's path."""
     axes = view.axes
     if sweep is not None and len(sweep.place):
-        view.dots(sweep.place, 1.2, _WAY_COLOR, "path of the edges through the film")
+        view.dots(sweep.place, 1.2, _PATH_COLOR, "path of the cutting edges through the film")
     if len(parts.notch):
         view.lines(parts.notch, _NOTCH_COLOR, 2.0, label="notch")
     extent = 0.0 if parts.mesh is None else float(np.ptp(parts.mesh.nodes, axis=0).max())
@@ -193,21 +194,21 @@ def _draw_motions(view: _View, parts: ModelParts, sweep: Sweep | None, *, with_t
         axes.plot([], [], color=_PULL_COLOR, marker=">", label=label)
     track = view.flat(_track(parts))
     if with_track and len(track):
-        label = "way of an end of the tool's edge"
+        label = "path of an end of the cutting edge"
         axes.plot(*track.T, color=_TRACK_COLOR, lw=1.2, zorder=4, label=label)
         arrow = {"arrowstyle": "-|>", "color": _TRACK_COLOR}
         axes.annotate("", track[-1], track[-2], arrowprops=arrow, zorder=4)
 
 
-def _draw_pull(view: _View, at: Floats, way: Floats) -> None:
+def _draw_pull(view: _View, at: Floats, direction: Floats) -> None:
     """Draw an arrow from a point; one along the line of sight is a circle with a dot or a cross."""
-    axes, start, end = view.axes, view.flat(at), view.flat(at + way)
-    if norm(end - start) > 0.1 * view.factor * norm(way):
+    axes, start, end = view.axes, view.flat(at), view.flat(at + direction)
+    if norm(end - start) > 0.1 * view.factor * norm(direction):
         arrow = {"arrowstyle": "-|>", "color": _PULL_COLOR, "lw": 1.8}
         axes.annotate("", end, start, arrowprops=arrow, zorder=5)
         axes.update_datalim([end])
         return
-    toward_viewer = product(np.cross(np.eye(3)[view.i], np.eye(3)[view.j]), way) > 0.0
+    toward_viewer = product(np.cross(np.eye(3)[view.i], np.eye(3)[view.j]), direction) > 0.0
     mark = r"$\odot$" if toward_viewer else r"$\otimes$"
     axes.plot(*start, marker=mark, ms=13, mew=0.4, color=_PULL_COLOR, zorder=5)
 
@@ -249,12 +250,12 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
 def _track(parts: ModelParts) -> Floats:
     """Return how the lowest end of the first cutting edge moves, shape (n, 3) [mm].
 
-    Of a tool without cutting edges, how its first vertex does.
+    For a tool without cutting edges, how its first vertex moves.
     """
     tool, motion = parts.tool, parts.motion
     if tool is None or motion is None or not parts.duration:
         return np.zeros((0, 3))
-    poses = [pose_at(motion, at) for at in np.linspace(0.0, parts.duration, _ON_WAY)]
+    poses = [pose_at(motion, at) for at in np.linspace(0.0, parts.duration, _N_POSE)]
     ids = np.unique(tool.edges[tool.edge_chain == 0]) if tool.n_edge else np.zeros(1, np.int64)
     lowest = tool.vertices[[ids[np.argmin(poses[0].to_space(tool.vertices[ids])[:, 2])]]]
     return np.concatenate([pose.to_space(lowest) for pose in poses])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
@@ -22,7 +22,11 @@ from shellcut.tool.tool import Tool
 
 from .case import PAPER_DAMPING, Case, Clamp, damped_by
 from .free_cut import free_cut
+from .options import CutOptions
 from .path_film import film_along_path
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 OpeningMesh = Literal["quick", "M1", "M2", "path"]
 
@@ -36,28 +40,28 @@ def opening_test(
     *,
     tool: Tool | None = None,
     pitch: Pitch = 12.0,
-    angle_deg: Annotated[float, Option("deg", "of the whole motion", above=0)] = 95.0,
-    duration: Annotated[float, Option("s", "of the run", above=0)] = 6.0e-3,
+    angle_deg: Annotated[float, Option("deg", "angle of the whole motion", above=0)] = 95.0,
+    duration: Annotated[float, Option("s", "duration of the run", above=0)] = 6.0e-3,
     clamp: Clamp = ("rim",),
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[CutOptions],
 ) -> Case:
     """Build the opening test: a disc of the package, or a flat film of your own.
 
+    For quads of other sizes along the path see :func:`film_along_path`.
+
     Parameters
     ----------
-    mesh : str or Mesh
-        For other sizes along the path see :func:`film_along_path`.
     tool : Tool, optional
         The default is :func:`tooth_ring` with its defaults.
     material, law : ShellMaterial, CohesiveTable, optional
         The paper's film by default.
     **options
         Options of :class:`Simulation`: ``fracture``, ``contact``, ``stepping``, ``terms``, ...
-        Without a ``fracture.path`` cracks follow edges where a line of them lies under the whole
-        path, as in the package's discs under the default teeth, and go through quads elsewhere.
-        Edges of the film touch those of the tool unless ``Contact(film_edges=False)`` says
+        Without a ``fracture.path`` cracks follow quad sides if a line of them lies under the whole
+        path, as in the package's discs under the default teeth, and else run through quads. Borders
+        and flanks of the film touch the tool's edges unless ``Contact(film_edges=False)`` says
         otherwise: flanks of the cuts cross the teeth's bottom edges between their nodes.
 
     Returns
@@ -86,9 +90,10 @@ def opening_test(
         )
     else:
         options, film = damped_by(PAPER_DAMPING, options), opening_disc(mesh)
-    contact = options.pop("contact", None) or Contact()
+    contact = options.get("contact") or Contact()
     if isinstance(contact, Contact) and contact.film_edges is None:  # the simulation checks types
         contact = replace(contact, film_edges=True)
+    options["contact"] = contact
     cut = free_cut(
         film,
         tool=cutter,
@@ -97,7 +102,6 @@ def opening_test(
         clamp=clamp,
         material=material,
         law=law,
-        contact=contact,
         **options,
     )
     return replace(cut, name="opening")

@@ -8,7 +8,7 @@ tip that points backwards.
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -26,7 +26,11 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
-from .case import Case, damped_by, time_of_way
+from .case import Case, damped_by, time_of_travel
+from .options import ModelOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 BAR_LAW = CohesiveLaw(
     strength=60.0, plateau=30.0, opening_a=0.05, opening_p=0.0501, opening_u=0.1, onset=0.008
@@ -104,19 +108,19 @@ def _rows(half: float, size: float, band: float) -> Floats:
 
 @checked
 def oscillating(
-    size: Annotated[float, Option("mm", "edge length of the fine quads", above=0)] = 0.5,
+    size: Annotated[float, Option("mm", "side length of the fine quads", above=0)] = 0.5,
     *,
     mesh: Mesh | None = None,
     diameter: Diameter = 6.0,
     tilt_deg: Tilt = 10.0,
     length: Annotated[
-        float | None, Option("mm", "along the cut", unset="125/6 diameters of the bar")
+        float | None, Option("mm", "length along the cut", unset="125/6 diameters of the bar")
     ] = None,
     width: Annotated[
-        float | None, Option("mm", "between the clamped sides", unset="6 diameters")
+        float | None, Option("mm", "width between the clamped sides", unset="6 diameters")
     ] = None,
     band: Annotated[
-        float | None, Option("mm", "half the breadth of the fine quads", unset="1.2 diameters")
+        float | None, Option("mm", "half the width of the fine quads", unset="1.2 diameters")
     ] = None,
     notch: Annotated[
         float | None,
@@ -134,10 +138,10 @@ def oscillating(
         float | None,
         Option("mm", "of the bar", above=0, unset="up to 2 diameters before the end of the strip"),
     ] = None,
-    speed: Annotated[float, Option("mm/s", "after a ramp of 1 ms", above=0)] = 3000.0,
+    speed: Annotated[float, Option("mm/s", "speed after a ramp of 1 ms", above=0)] = 3000.0,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[ModelOptions],
 ) -> Case:
     """Build the oscillating cut.
 
@@ -169,19 +173,17 @@ def oscillating(
         mesh = film_before(diameter, size=size, length=length, width=width, band=band)
     extent = float(np.ptp(mesh.nodes[:, 0]))
     duration = duration_of(diameter, extent, travel=travel, speed=speed)
-    chosen = {
-        "contact": BAR_CONTACT,
-        "fracture": BAR_FRACTURE,
-        **damped_by(STIFFNESS_DAMPING, options),
-    }
-    if chosen["fracture"].needed_path not in (None, "free"):
+    fracture = options.get("fracture") or BAR_FRACTURE
+    options["fracture"] = fracture
+    chosen: ModelOptions = {"contact": BAR_CONTACT, **damped_by(STIFFNESS_DAMPING, options)}
+    if fracture.needed_path not in (None, "free"):
         raise ValueError("the oscillating cut needs fracture.path = 'free': nothing steers it")
     simulation = Simulation(
         mesh,
         material or ShellMaterial.homogeneous(**BAR_FILM),
         supports=[Support.clamped("bottom"), Support.clamped("top")],
         tool=bar_before(diameter, tilt_deg),
-        motion=way_of(speed),
+        motion=motion_of(speed),
         law=law or BAR_LAW,
         **chosen,
     )
@@ -197,12 +199,12 @@ def bar_before(diameter: float, tilt_deg: float) -> Tool:
     return bar.translated((-_CLEARANCE, 0.0, 0.0))
 
 
-def way_of(speed: float) -> StraightMotion:
+def motion_of(speed: float) -> StraightMotion:
     """Return the motion of the bar."""
     return StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=_RAMP)
 
 
 def duration_of(diameter: float, extent: float, *, travel: float | None, speed: float) -> float:
     """Return the duration of a run [s] on a strip of the length ``extent`` [mm]."""
-    way = extent - _LEFT * diameter if travel is None else travel
-    return time_of_way(way, speed, _RAMP)
+    distance = extent - _LEFT * diameter if travel is None else travel
+    return time_of_travel(distance, speed, _RAMP)

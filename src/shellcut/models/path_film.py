@@ -45,12 +45,12 @@ def film_along_path(
     *,
     tool: Tool | Sequence[Tool],
     motion: Motion,
-    duration: Annotated[float, Option("s", "of the motion", above=0)],
+    duration: Annotated[float, Option("s", "duration of the motion", above=0)],
     size_at_path: Annotated[
         float | None,
         Option(
             "mm",
-            "edge length of the quads under the path of the cutting edges, by Gmsh",
+            "side length of the quads under the path of the cutting edges, by Gmsh",
             above=0,
             unset="5 bending lengths or opening_u / 10",
         ),
@@ -59,7 +59,7 @@ def film_along_path(
         float | None,
         Option(
             "mm",
-            "edge length far from it; alone, of all quads",
+            "side length far from it; given alone, of all quads",
             above=0,
             unset="8 times size_at_path",
         ),
@@ -72,8 +72,8 @@ def film_along_path(
 ) -> Mesh:
     """Return a flat film, z = 0, with small quads where the cutting edges pass, by Gmsh.
 
-    They are small along the path of the edges during the motion and 2 mm beyond its ends, and grow
-    away from it by a quarter of the distance.
+    They are small along the path of the cutting edges during the motion and 2 mm beyond its ends,
+    and grow away from it by a quarter of the distance.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def film_along_path(
     Returns
     -------
     Mesh
-        As from :func:`mesh_from_outline`, with the node sets "rim", "hole_1", ...
+        As from :func:`mesh_from_outline`, with the node sets ``rim``, ``hole_1``, ...
 
     Raises
     ------
@@ -156,9 +156,9 @@ def _path(
     corner = np.array([low[0], low[1] + 0.5 * extent[1], 0.0])
     around = Mesh.from_arrays(sheet.nodes + corner, sheet.quads)
     found = [np.zeros((0, 2))]
-    for one in tools:
-        if one.n_edge:
-            sweep = Sweep.of(around, one, motion, duration)
+    for cutter in tools:
+        if cutter.n_edge:
+            sweep = Sweep.of(around, cutter, motion, duration)
             found.append(sweep.path_points(AHEAD)[:, :2])
     points = np.concatenate(found)
     shapely = shapely_or_error()

@@ -26,7 +26,8 @@ __all__ = ["ModelParts", "preview", "preview_parts"]
 # Memory of the program and of each quad (docs/performance.md) [MB].
 _PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
 
-_N_TIME = 60  # at which the fastest moment of a support is looked for
+_N_TIME = 60  # at which the fastest moment of a support is searched
+_N_WORST = 3  # quads that the report lists
 
 
 @checked
@@ -37,14 +38,14 @@ def preview(
     time: float | None = None,
     check: ModelCheck | None = None,
 ) -> str:
-    """Draw film, held nodes, the quads that set the step, tool and cutting edges; return a report.
+    """Draw film, supported nodes, the quads that set the step, and the tool; return a report.
 
     Parameters
     ----------
     simulation : Simulation
         Not changed.
     path : path-like
-        Picture to write; the ending tells the format.
+        Picture to write; its suffix gives the format.
     time : float, optional
         End of the run [s]: the tool is also drawn at this time, cutting edges that never meet the
         film or leave it before then get their own colours, and the model is checked.
@@ -55,7 +56,7 @@ def preview(
     -------
     str
         One line each: parts of the model, sizes of its sets, the first time step and its cause,
-        what the run will cost, where cracks will go, the quads with the shortest steps, and the
+        what the run will cost, where cracks will run, the quads with the shortest steps, and the
         findings of the checks.
 
     Raises
@@ -79,13 +80,13 @@ def preview(
     if check is None and time:
         check = check_model(sim, time)
     sweep = check.sweep if check is not None else None
-    held = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
+    supported = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
     film_now = Exposure.of(
         sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm"
     ).frame()
     parts = ModelParts(
         mesh=mesh,
-        held=held,
+        supported=supported,
         tool=sim.tool,
         motion=sim.motion_in_film(time or 0.0),
         duration=time,
@@ -93,11 +94,12 @@ def preview(
         notch=film_now.reference[film_now.crack_edges[:, 0]],
     )
     cost = [_run_line(sim, time)] if time else []
-    told = [*cost, crack_line(sim)]
-    film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), told=told)
+    more = [*cost, crack_line(sim)]
+    film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), more=more)
     lines = [film, *_film_lines(mesh), *step_lines, *cost]
     lines += [*others, crack_line(sim), *_worst_lines(quality)]
-    lines += [f"{one.word}: {one}" for one in check.findings] if check is not None else []
+    findings = check.findings if check is not None else []
+    lines += [f"{finding.word}: {finding}" for finding in findings]
     return "\n".join(lines)
 
 
@@ -115,17 +117,17 @@ def _draw(
     sweep: Sweep | None,
     worst: Ints,
     title: str = "the model before its run",
-    told: Sequence[str] = (),
+    more: Sequence[str] = (),
 ) -> list[str]:
-    """Draw the parts, and what is told below them; return a list of them, one per line."""
+    """Draw the parts with more lines below them; return a list of the parts, one per line."""
     lines = []
     if parts.mesh is not None:
-        lines.append(film_line(parts.mesh, parts.held.size))
+        lines.append(film_line(parts.mesh, parts.supported.size))
     if parts.tool is not None:
         lines.append(tool_line(parts.tool))
     if sweep is not None:
         lines.append(edge_line(sweep))
-    draw_model(parts, path, sweep, worst, title=title, caption="\n".join([*lines, *told]))
+    draw_model(parts, path, sweep, worst, title=title, caption="\n".join([*lines, *more]))
     return lines
 
 
@@ -133,12 +135,12 @@ def _pulls(sim: Simulation, time: float) -> Iterator[tuple[Floats, Floats]]:
     """Yield the middle of each support that moves, and the velocity of its fastest moment."""
     supports: Sequence[Support] = sim.inputs["supports"]  # type: ignore[assignment]
     times = np.linspace(0.0, time, _N_TIME).tolist()
-    for one in supports:
-        rates = [one.velocity.get(axis) for axis in "xyz"]
+    for support in supports:
+        rates = [support.velocity.get(axis) for axis in "xyz"]
         each = np.array([[rate(at) if rate else 0.0 for rate in rates] for at in times])
         fastest = each[np.argmax(norm(each))]
         if fastest.any():
-            yield sim.mesh.nodes[choose_nodes(sim.mesh, one.nodes)].mean(axis=0), fastest
+            yield sim.mesh.nodes[choose_nodes(sim.mesh, support.nodes)].mean(axis=0), fastest
 
 
 def _film_lines(mesh: Mesh) -> Iterator[str]:
@@ -155,19 +157,20 @@ def _film_lines(mesh: Mesh) -> Iterator[str]:
 
 def _extent(ids: Ints, joined: Ints, n: int) -> str:
     """Return the size of a set and its number of pieces; ``joined`` are pairs of neighbours."""
-    held = np.zeros(n, np.bool_)
-    held[ids] = True
-    one, two = joined[held[joined].all(axis=1)].T
-    pieces = len(np.unique(connected_parts(one, two, n)[ids]))
+    is_member = np.zeros(n, np.bool_)
+    is_member[ids] = True
+    first, second = joined[is_member[joined].all(axis=1)].T
+    pieces = len(np.unique(connected_parts(first, second, n)[ids]))
     return f"{len(ids)} in {pieces} pieces" if pieces > 1 else f"{len(ids)}"
 
 
 def _worst_lines(quality: MeshQuality) -> Iterator[str]:
     """List the quads whose steps are clearly below the median."""
-    if quality.worst.size:
-        yield f"worst  quads whose own steps are below {CLEARLY:g} of the median, shortest first:"
+    shortest = quality.worst.tolist()[:_N_WORST]
+    if shortest:
+        yield f"worst  quads with steps below {CLEARLY:g} of the median, shortest first:"
     unit, factor = shown("mm")
-    for e in quality.worst.tolist():
+    for e in shortest:
         x, y, z = factor * quality.centre[e]
         yield (
             f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) {unit}: step {quality.step[e]:.3g} s, "
@@ -193,8 +196,8 @@ def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
     yield f"       {quality.stable_step:.4g} s for the worst quad alone,"
     yield f"       {allowed:.4g} s for the film with contact and cables at the start;"
     if stepping.fixed is None:
-        of_that = f"time.safety, {stepping.safety:g}, of that"
-        yield f"       {sim.dt:.4g} s is the first of the run: {of_that}"
+        times = f"{stepping.safety:g} times that (time.safety)"
+        yield f"       {sim.dt:.4g} s is the first step of the run, {times}"
     else:
         times = f"{stepping.fixed / allowed:.2g} times the stable one; without it {safe:.4g} s"
         yield f"       {sim.dt:.4g} s is used in the run, since time.fixed is given: {times}"

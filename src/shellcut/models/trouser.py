@@ -7,7 +7,7 @@ strip; the defaults are so chosen.
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from shellcut.arguments import Option, checked
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
@@ -19,12 +19,16 @@ from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
-from .case import PAPER_DAMPING, Case, damped_by, time_of_way
+from .case import PAPER_DAMPING, Case, damped_by, time_of_travel
+from .options import ModelOptions
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 TEAR_LAW = CohesiveLaw(
     strength=7.0, plateau=5.6, opening_a=0.4, opening_p=1.6, opening_u=2.4, onset=0.02
 )
-"""Default law: 11.5 N/mm, torn over 2.4 mm, several edges of the default quads."""
+"""Default law: 11.5 N/mm, torn over 2.4 mm, several sides of the default quads."""
 
 THICKNESS = 0.2
 """Default thickness [mm]: the legs are stiff in bending beside their width."""
@@ -60,26 +64,26 @@ def duration_of(
     length: float, width: float, *, travel: float | None, speed: float, ramp: float
 ) -> float:
     """Return the duration of a test [s], with the parameters of :func:`trouser`."""
-    way = length - _LEFT * width if travel is None else travel
-    return time_of_way(way, speed, ramp)
+    distance = length - _LEFT * width if travel is None else travel
+    return time_of_travel(distance, speed, ramp)
 
 
 @checked
 def trouser(
     size: QuadSize = 0.5,
     *,
-    length: Annotated[float, Option("mm", "along the tear", above=0)] = 19.0,
-    width: Annotated[float, Option("mm", "of both legs together", above=0)] = 6.0,
+    length: Annotated[float, Option("mm", "length along the tear", above=0)] = 19.0,
+    width: Annotated[float, Option("mm", "width of both legs together", above=0)] = 6.0,
     notch: Annotated[float, Option("mm", "length of the cut between the legs", above=0)] = 6.0,
     travel: Annotated[
         float | None,
-        Option("mm", "way of each end", above=0, unset="length less 2/3 of the width"),
+        Option("mm", "distance that each end moves", above=0, unset="length less 2/3 of the width"),
     ] = None,
-    speed: Annotated[float, Option("mm/s", "of each end, one up and one down", above=0)] = 2500.0,
-    ramp: Annotated[float, Option("s", "time over which it rises", least=0)] = 3e-4,
+    speed: Annotated[float, Option("mm/s", "speed of the ends, up and down", above=0)] = 2500.0,
+    ramp: Annotated[float, Option("s", "time over which the speed rises", least=0)] = 3e-4,
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
-    **options: Any,
+    **options: Unpack[ModelOptions],
 ) -> Case:
     """Build the trouser test.
 
@@ -110,16 +114,14 @@ def trouser(
         Support(leg, translation="yz", rotation="", velocity={"z": Ramped(rate, ramp)})
         for leg, rate in (("up", speed), ("down", -speed))
     ]
+    chosen: ModelOptions = {"fracture": TEAR_FRACTURE, "damping_alpha": MASS_DAMPING}
+    chosen |= damped_by(PAPER_DAMPING, options)
     simulation = Simulation(
         mesh,
         material or ShellMaterial.homogeneous(thickness=THICKNESS),
         supports=[Support.clamped("tail"), *legs],
         law=law or TEAR_LAW,
-        **{
-            "fracture": TEAR_FRACTURE,
-            "damping_alpha": MASS_DAMPING,
-            **damped_by(PAPER_DAMPING, options),
-        },
+        **chosen,
     )
     if simulation.fracture.path != "free":
         raise ValueError("the trouser test needs fracture.path = 'free': nothing steers its crack")

@@ -36,15 +36,13 @@ def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | No
     """Compile the kernels of ready models into the cache, or load them.
 
     On a machine's first run this takes half a minute of one core, a second later. Call it before
-    timing anything.
+    timing anything. ``told`` is called after each kernel with the numbers of kernels that are ready
+    and of all, never if none has to be compiled.
 
     Parameters
     ----------
     models : iterable of str
-        Of :data:`MODELS`.
-    told : callable, optional
-        Called with the number of kernels that are ready and of all, after each; not at all if none
-        has to be compiled.
+        Names in :data:`MODELS`.
 
     Raises
     ------
@@ -60,12 +58,12 @@ def warmup(models: Iterable[str] = MODELS, told: Callable[[int, int], None] | No
     if unknown := [name for name in names if name not in MODELS]:
         raise ValueError(f"{', '.join(unknown)}: the models are {', '.join(MODELS)}")
     kernels = _listed(names)
-    missing = [one for one in kernels if not is_stored(*one)]
+    missing = [kernel for kernel in kernels if not is_stored(*kernel)]
     others, said = _others(names, len(missing)), 0
     try:
         for function, types in missing:
             if compile_if_free(function, types) and told is not None:
-                ready = sum(is_stored(*one) for one in kernels)
+                ready = sum(is_stored(*kernel) for kernel in kernels)
                 if ready > said:
                     told(ready, len(kernels))
                     said = ready

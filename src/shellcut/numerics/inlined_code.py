@@ -129,7 +129,7 @@ class InlinedCompiler(Compiler):
     """Numba's compiler for such functions, an option ``pipeline_class`` of them."""
 
     def define_pipelines(self) -> Any:
-        """Choose where the code goes."""
+        """Choose the library that gets the code."""
         # What is compiled with it takes no option of this function that it does not say itself.
         ConfigStack().top().forceinline = False
         name = self.state.func_id.func_qualname

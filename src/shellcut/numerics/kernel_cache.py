@@ -177,8 +177,8 @@ class KernelCache(FunctionCache):
         Parameters
         ----------
         wait : bool
-            Whether to wait where another process compiles it. Without, the block is told whether
-            it is alone.
+            Whether to wait where another process compiles it. Without, the block gets whether it is
+            alone.
         """
         try:
             self._impl.locator.ensure_cache_path()

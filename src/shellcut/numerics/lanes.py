@@ -342,7 +342,7 @@ def multiply_add(a: Number, b: Number, c: Number) -> Number:
     """Return a b + c, rounded once where the processor can.
 
     In a b + c d the compiler may fuse either product with the sum, differently in each kernel; this
-    fixes the choice where two kernels must give the same bits.
+    fixes the choice where two kernels must give bitwise identical results.
     """
     kind = DOUBLES if isinstance(a, LanesType) else types.float64
     return kind(kind, kind, kind), lambda context, builder, given: called(

@@ -33,10 +33,10 @@ Threads: TypeAlias = Annotated[
     int | None,
     Option(
         "",
-        "results do not depend on it",
+        "threads of a run; results do not depend on their number",
         least=1,
         most=256,
-        why="more than the cores there are slow a run down",
+        why="more threads than cores slow a run down",
         unset="one for a small film, otherwise all cores, 8 at most",
     ),
 ]

@@ -20,7 +20,6 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +27,7 @@ import h5py
 import numpy as np
 
 from shellcut.arguments import checked
+from shellcut.files.distribution import VERSION
 from shellcut.files.whole_file import atomic_write, write_all
 from shellcut.tool.pose_of_motion import pose_at
 
@@ -102,7 +102,7 @@ def save_checkpoint(
     # Build the file in memory: HDF5 must not hit a full disk itself, see hdf_target.
     image = io.BytesIO()
     with h5py.File(image, "w", userblock_size=_HEADER) as file:
-        file.attrs["version"] = version("shellcut")
+        file.attrs["version"] = VERSION
         inputs = json.dumps(_described_inputs(sim))
         _write(file, {"inputs": inputs, "run": sim.saved(), "extra": dict(extra or {})})
     image.getbuffer()[:_HEADER] = _header(hashlib.sha256(image.getbuffer()[_HEADER:]).hexdigest())

@@ -17,7 +17,7 @@ from contextlib import ExitStack
 from copy import deepcopy
 from dataclasses import asdict, replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -42,13 +42,15 @@ from .cut_front import CutFront
 from .frame_capture import Exposure
 from .resistance import resistance_of
 from .run_files import RunFiles
-from .run_options import RunOptions
+from .run_options import RunArguments, RunOptions
 from .run_summary import cut_evidence, run_summary
 from .schedule import Schedule
 from .status_line import status_line
 from .unfelt_penetration import Unfelt, UnfeltPenetration
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from shellcut.simulation.simulation import Simulation
 
 _log = logging.getLogger(__name__)
@@ -121,7 +123,7 @@ class Recorder:
         name: str,
         check: ModelCheck | None = None,
         also: Sequence[str] = (),
-        **options: Any,
+        **options: Unpack[RunArguments],
     ) -> None:
         if not (isfinite(until) and until > 0.0):
             raise ValueError(f"until must be a positive time in s, got {until!r}")

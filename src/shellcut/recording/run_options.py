@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 from shellcut.arguments import Option, checked
 
@@ -48,3 +48,18 @@ class RunOptions:
 
     replace: bool = True
     """Whether the files of an earlier run in the folder may be removed."""
+
+
+class RunArguments(TypedDict, total=False):
+    """The fields of :class:`RunOptions` as arguments by name, for type checkers."""
+
+    n_row: int
+    n_frame: int
+    n_snapshot: int
+    curves: bool
+    progress: bool
+    log: Callable[[str], None] | None
+    checkpoint_every: float | None
+    resume: bool
+    force: bool
+    replace: bool

@@ -11,6 +11,7 @@ from html import escape
 from pathlib import Path
 from typing import TypeVar
 
+from shellcut.files.distribution import DISTRIBUTION, VERSION
 from shellcut.files.whole_file import write_text
 from shellcut.scene_page.page import part, scene_scripts, scene_style
 
@@ -71,10 +72,7 @@ def write_page(
         heading=escape(name),
         lead=escape(lead),
         body=body,
-        footer=escape(
-            f"Written by shellcut {importlib.metadata.version('shellcut')} on "
-            f"{time.strftime('%Y-%m-%d %H:%M')}."
-        ),
+        footer=escape(f"Written by shellcut {VERSION} on {time.strftime('%Y-%m-%d %H:%M')}."),
         style=part(_ROOM, "page.css") + (scene_style() if has_scene else "") + style,
         script=charts + script,
         last=scene_scripts() if has_scene else "",
@@ -85,7 +83,7 @@ def write_page(
 def versions() -> str:
     """Return the versions of the packages that wrote the report."""
     rows = [("Python", platform.python_version()), ("machine", platform.platform(terse=True))]
-    for package in ("shellcut", "numpy", "scipy", "numba", "h5py", "matplotlib"):
+    for package in (DISTRIBUTION, "numpy", "scipy", "numba", "h5py", "matplotlib"):
         try:
             rows.append((package, importlib.metadata.version(package)))
         except importlib.metadata.PackageNotFoundError:

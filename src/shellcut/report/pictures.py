@@ -13,6 +13,7 @@ import numpy as np
 from shellcut.arrays import Bools
 from shellcut.card import image
 from shellcut.files import run_folder
+from shellcut.files.distribution import pip_install
 from shellcut.results.energy_account import account, trusted_rows
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import said_of, window_of
@@ -45,7 +46,7 @@ def crack_map(run: Gathered) -> str:
             draw_crack_map(path, frames, splits=places, width=6.5, dpi=130.0)
             png = path.read_bytes()
     except ImportError:
-        return missing("Not drawn: pictures need Matplotlib (pip install shellcut[plot]).")
+        return missing(f"Not drawn: pictures need Matplotlib ({pip_install('plot')}).")
     name = frames[-1].coordinate_name
     alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
     caption = (

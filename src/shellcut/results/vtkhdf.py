@@ -21,13 +21,13 @@ grows and packs the columns.
 from __future__ import annotations
 
 import os
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
 import h5py
 import numpy as np
 
+from shellcut.files.distribution import VERSION
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 from shellcut.signals import SignalsDeferred
@@ -237,7 +237,7 @@ class VtkHdfWriter:
         self._root.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
         self._columns = Columns(self._root)
         self._beside = Columns(self._file.create_group(BESIDE))
-        self._file[BESIDE].attrs["version"] = version("shellcut")
+        self._file[BESIDE].attrs["version"] = VERSION
         self._file[BESIDE].attrs[ENDED] = np.int64(NOT_ENDED)
         for name, (dtype, shape) in _BESIDE.items():
             self._beside.create(name, dtype, shape)

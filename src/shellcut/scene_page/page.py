@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib.metadata
 import importlib.resources
 import os
 import string
@@ -15,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.files.distribution import VERSION
 from shellcut.files.whole_file import write_text
 from shellcut.results.run_results import Results, read
 from shellcut.view import Look
@@ -118,7 +118,7 @@ def view_html(
         footer=escape(
             f"{len(scene.frames)} of {results.n_frame} frames of "
             f"{results.folder.resolve()}{dropped}. Written by "
-            f"shellcut {importlib.metadata.version('shellcut')} with three.js."
+            f"shellcut {VERSION} with three.js."
         ),
     )
     write_text(Path(path), html, errors="backslashreplace")

@@ -1,7 +1,7 @@
 """The force terms of a simulation: the loop over them, the work on the tool, and its balance.
 
 :class:`ForceTerms` evaluates the list of :class:`shellcut.tool.force_term.ForceTerm`, sums the
-wrenches, works out the work of the tool and books what each term has done.
+wrenches, works out the work of the tool and adds the works of each term to the energy balance.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class ForceTerms:
     Raises
     ------
     ValueError
-        If two have one name, or a term books what it does not have.
+        If two have one name, or a term counts a sum that it does not have.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class ForceTerms:
         self._seen = None if motion is None or film is None else SeenFromFilm(film, motion)
         _check(self._terms)
         self._added = {term.name: _Added() for term in self._terms if not term.booked}
-        """What the terms that book nothing have added to the nodal forces."""
+        """What the terms without ``booked`` have added to the nodal forces."""
         touches = [term.touch for term in self._terms]
         on_tool = (Booking.of_wrench("load_work"),)
         booked = [
@@ -65,9 +65,11 @@ class ForceTerms:
             for booking in term.booked or on_tool
         ]
         self._entries = sorted({entry for _, entry, *_ in booked})
-        # Wrenches on the whole tool at t_{n-1}: of each term, and of all; the integral of that. Of
-        # a film that moves also that integral, and the work on the tool, as seen from the film.
-        self._last = np.zeros((len(self._terms) + 2 + 2 * (self._seen is not None), 6))
+        # Rows: wrench of each term on the whole tool at t_{n-1}, of all together, and its integral
+        # over the angle; if the film moves, that integral and the work as seen from the film.
+        n_term = len(self._terms)
+        self._last = np.zeros((n_term + 2 + 2 * (self._seen is not None), 6))
+        self._of_all, self._over_turn, self._in_film = np.split(self._last[n_term:], [1, 2])
         self._amounts = np.zeros(len(self._entries))
         self._book = TableWriter()(
             WorkBook(
@@ -122,15 +124,15 @@ class ForceTerms:
 
         As seen from a film that its supports move: over the angle there, in its axes and origin.
         """
-        return np.asarray(self._last[len(self._terms) + 1 + (self._seen is not None)])
+        return np.asarray((self._over_turn if self._seen is None else self._in_film)[0])
 
     @property
     def work_in_film(self) -> float:
         """Work of the tool as seen from a film that its supports move [N·mm]."""
-        return -float(self._last[-1, 0])
+        return -float(self._in_film[1, 0])
 
     def add_forces(self, state: State, pose: Pose, ledger: Ledger) -> None:
-        """Add the forces of all terms at t_n, and their works over the last step to the ledger."""
+        """Add the forces of all terms at t_n; add their works over the last step to ``ledger``."""
         for term in self._terms:
             if (added := self._added.get(term.name)) is None:
                 term.add_forces(state, pose)
@@ -139,11 +141,10 @@ class ForceTerms:
         tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
-        before = self._last[len(self._terms)].copy() if self._seen is not None else None
+        before = self._of_all[0].copy() if self._seen is not None else None
         ledger.tool_work -= self._work_on_tool.code(twist, pose.translation, tick, self._book)
         if before is not None and tick > 0.0:
-            mean = 0.5 * (before + self._last[len(self._terms)])
-            self._sum_in_film(mean, state.time, tick)
+            self._sum_in_film(0.5 * (before + self._of_all[0]), state.time, tick)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
@@ -162,7 +163,7 @@ class ForceTerms:
         vector = 0.5 * np.array(
             [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
         )
-        angle, (over_turn, work) = float(norm(vector)), self._last[-2:]
+        angle, (over_turn, work) = float(norm(vector)), self._in_film
         over_turn[:3] += angle * force
         over_turn[3:] += angle * (moment + np.cross(0.5 * (r0 + r1), force))
         work[0] += float(product(force, r1 - r0) + product(moment, vector))
@@ -186,15 +187,15 @@ def _check(terms: Sequence[ForceTerm]) -> None:
     names = [term.name for term in terms]
     if len(set(names)) < len(names) or _OWN_NAMES & set(names):
         raise ValueError(
-            f"force terms must have names of their own, and none of {', '.join(sorted(_OWN_NAMES))}"
-            f"; got {', '.join(names)}"
+            f"force terms must have different names, and none of {', '.join(sorted(_OWN_NAMES))}; "
+            f"got {', '.join(names)}"
         )
     for term in terms:
         for entry, column, _ in term.booked:
-            _check_entry(term, entry, "books")
+            _check_entry(term, entry, "adds to")
             if not ON_TOOL <= column < (n := term.touch.sums.size):
                 raise ValueError(
-                    f"{term.name} books column {column} as {entry}: it must be one of the {n} "
+                    f"{term.name} adds column {column} to {entry}: it must be one of the {n} "
                     "columns of touch.sums, from 0; of the wrench: Booking.of_wrench"
                 )
     bodies = {term.name: len(term.touch.wrench) for term in terms if len(term.touch.wrench)}
@@ -206,13 +207,13 @@ def _check(terms: Sequence[ForceTerm]) -> None:
 def _check_entry(term: ForceTerm, entry: str, does: str) -> None:
     if entry not in _ENTRIES:
         raise ValueError(
-            f"{term.name} {does} {entry!r}: it must be an entry of the ledger, one of "
+            f"{term.name} {does} {entry!r}: it must be an entry of the energy balance, one of "
             f"{', '.join(sorted(_ENTRIES))}"
         )
 
 
 class _Added:
-    """What a term that books nothing has added to the nodal forces, and the work of that.
+    """What a term without ``booked`` has added to the nodal forces, and the work of that.
 
     By the difference that it makes, with the increments of the step: ½ (f_{n-1} + f_n) · Δx and ½
     (m_{n-1} + m_n) · Δθ, where m = t x g is the moment of the force g conjugate to the director. A
@@ -250,7 +251,7 @@ class WorkBook(NamedTuple):
     sums: tuple[Floats, ...]
     """Of each term, see :class:`shellcut.tool.touch.Touch`."""
     row: Annotated[Ints, "(n_booked, 3)"]
-    """Term, column and entry of what is booked."""
+    """Term, column and entry of each sum that counts."""
     factor: Annotated[Floats, "(n_booked,)"]
     """Times which it is."""
     amounts: Annotated[Floats, "(n_entry,)"]

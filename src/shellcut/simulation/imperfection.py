@@ -98,7 +98,7 @@ ImperfectionNumber: TypeAlias = Annotated[
     int | None,
     Option(
         "",
-        "number of the small shape out of its plane with which the film begins, so that it can "
+        "number of the small out-of-plane shape that the film has at the start, so that it can "
         "buckle; 0: none",
         least=0,
         most=_MOST,

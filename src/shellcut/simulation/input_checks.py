@@ -57,7 +57,7 @@ def _without_partner(
     if tool is None and contact is not None and not contact.self_contact:
         yield (
             "contact needs a tool to be in contact with: give tool and motion too, or "
-            "self_contact=True for that of the film with itself"
+            "self_contact=True for contact of the film with itself"
         )
 
 
@@ -67,7 +67,7 @@ def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str
         return
     if tool is not None and fracture.anisotropy is not None:
         yield (
-            "fracture.anisotropy is of cracks that no blade drives, got a tool: leave out one of "
+            "fracture.anisotropy is for cracks that no blade drives, got a tool: leave out one of "
             "them"
         )
 
@@ -78,8 +78,8 @@ def _not_with_edge(law: CohesiveTable | None, tool: Tool | None) -> Iterator[str
         return
     if tool is not None and tool.edge_radius:
         yield (
-            "cutting_energy is that of a razor: an edge with a radius needs severing_pressure too, "
-            f"got edge_radius = {tool.edge_radius:.4g} mm"
+            "cutting_energy is the value of a razor: a cutting edge with a radius needs "
+            f"severing_pressure too, got edge_radius = {tool.edge_radius:.4g} mm"
         )
 
 

@@ -177,8 +177,8 @@ class StabilityGuard:
         if s.dt == 0.0:
             return UnstableStep(
                 f"the film is strained beyond all measure before the first step: {worst} is not "
-                "finite or explodes; no step has been taken, it is the positions it starts from: "
-                "check what moved its nodes"
+                "finite or explodes; no step has been taken, so its initial positions are the "
+                "cause: check what moved its nodes"
             )
         return UnstableStep(
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, worst in {worst}. "

@@ -30,7 +30,7 @@ KineticShare: TypeAlias = Annotated[
         "start): tool, supports and loads slow down or wait where needed",
         above=0,
         most=0.008,
-        unset="they go as fast as given, and the film has its inertia",
+        unset="tool, supports and loads move as fast as given, and the film has its inertia",
     ),
 ]
 

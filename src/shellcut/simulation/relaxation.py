@@ -55,7 +55,7 @@ def find_rest(
     """Move the nodes by a displacement, bring the state to rest and return the number of steps.
 
     At rest the largest unsupported nodal force is below ``tolerance`` times the largest
-    reaction or load, and the largest moment on a director below that times the mean edge of a quad.
+    reaction or load, and the largest moment on a director below that times the mean side of a quad.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def _flown_apart(state: State, shell: MITC4Shell, step: int, strain: float) -> s
     quad = state.most_strained_quad()
     x, y, z = state.node.X[state.quads[quad]].mean(axis=0)
     cause = (
-        "the displacement it was given strains the film beyond all measure"
+        "the prescribed displacement strains the film beyond all measure"
         if step == 0
         else "the loads are far too large for the film, or something in it is not supported"
     )

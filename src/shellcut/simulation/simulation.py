@@ -465,7 +465,7 @@ class Simulation:
         return kinetic if film is None else film.kinetic(self.state, kinetic)
 
     def close_ledger(self) -> Ledger:
-        """Bring the entries that are functions of the state up to t_n; return the ledger."""
+        """Return the energy balance, its entries that are functions of the state at t_n."""
         vars(self.ledger).update(self.terms.stored(self.state))
         return self.ledger
 

@@ -56,14 +56,14 @@ class Stepping:
     safety: Annotated[
         float,
         Option(
-            "", "factor on the bound, for what changes until the next evaluation", above=0, most=1
+            "", "factor on the stable step, a margin until the next evaluation", above=0, most=1
         ),
     ] = 0.95
     evaluate_every: Annotated[
         int, Option("", "steps between two evaluations of all quads", least=1)
     ] = 500
     fixed: Annotated[
-        float | None, Option("s", "a step of your own", above=0, unset="the safe step")
+        float | None, Option("s", "a constant step", above=0, unset="the safe step")
     ] = None
 
 
@@ -148,8 +148,8 @@ class StableStep(Kept):
             undamped = 2.0 / np.sqrt(shell.frequencies.squared[stiffest])
             damped = self._bound.of_quad_alone(stiffest)
         said = (
-            f"the stiffest quad alone asks for {undamped:.4g} s (edge length, thickness, modulus "
-            "and density set it)"
+            f"the stiffest quad alone needs {undamped:.4g} s (side length, thickness, modulus and "
+            "density set it)"
         )
         if shell.damping_beta > 0.0:
             said += f", with damping_beta = {shell.damping_beta:.4g} s for {damped:.4g} s"

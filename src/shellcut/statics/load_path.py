@@ -70,7 +70,7 @@ _AFTER_STEPS = (
     "a bifurcation or a limit point lies between, and the film would buckle or snap. Its stable "
     "branch: right after it move the film by about its thickness along Statics.modes(1).shape[0] "
     "and call load_steps again, or give the mesh an imperfection of that shape; past a limit "
-    "point go by arc_length"
+    "point use arc_length"
 )
 _AFTER_ARC = (
     "one is expected from a limit point, where the load turns, to the next, and means that the "

@@ -82,9 +82,9 @@ class Statics:
         _refuse_motion(supports)
         if laws := material.timed_laws:
             raise ValueError(
-                "statics must have layers whose stress does not depend on the rate of strain, as "
-                f"it knows no time, got {', '.join(laws)}; leave out the rate factor, load a "
-                "Simulation slowly, or bring it to rest by relax()"
+                "statics must have layers whose stress does not depend on the rate of strain, "
+                f"because statics has no time, got {', '.join(laws)}; leave out the rate factor, "
+                "load a Simulation slowly, or bring it to rest by relax()"
             )
         self.mesh = mesh = put_directors_into_planes(mesh, supports)
         self.shell = MITC4Shell(mesh, material, damping_beta=0.0)
@@ -286,8 +286,8 @@ def _checked_factors(factors: Sequence[float]) -> list[float]:
 
 def _refuse_motion(supports: Sequence[Support]) -> None:
     problems = [
-        f"{name} of the support of {support.nodes!r} is for Simulation, statics knows no time: "
-        "move the nodes there by Statics.move, supports then keep them where they are"
+        f"{name} of the support of {support.nodes!r} is for Simulation, statics has no time: move "
+        "the nodes by Statics.move, supports then fix them there"
         for support in supports
         for name in ("velocity", "spin")
         if getattr(support, name)

@@ -119,7 +119,7 @@ class TangentSolver:
         return np.asarray(self._scale * self._factor.solve(self._scale * force))
 
     def check(self, error: float) -> None:
-        """Raise NoConvergence, with the figures, if an error is above 1e-4."""
+        """Raise NoConvergence, with the values, if an error is above 1e-4."""
         if error <= LARGEST_ERROR:
             return
         rigid = free_rigid_motions(self._state)

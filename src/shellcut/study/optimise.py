@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from shellcut.files.distribution import pip_install
 from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
 from shellcut.model_file import Model
@@ -356,7 +357,7 @@ def _optuna() -> Any:
         import optuna
     except ImportError:
         raise ImportError(
-            "a search for the best values needs Optuna: pip install 'shellcut[optimise]'"
+            f"a search for the best values needs Optuna: {pip_install('optimise')}"
         ) from None
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     return optuna

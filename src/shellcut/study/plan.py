@@ -8,9 +8,9 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
+from shellcut.files.distribution import VERSION
 from shellcut.model_file import Model, ModelFileError
 from shellcut.model_file.errors import Problem
 from shellcut.model_file.model import digest_of
@@ -32,8 +32,6 @@ _DIGITS = 16
 
 _NO_INPUT = ("name", "threads")
 """Keys before the first section that change no result."""
-
-_VERSION = version("shellcut")
 
 
 @dataclass(frozen=True)
@@ -165,7 +163,7 @@ def _key(model: Model, digest: Callable[[str], str]) -> str:
     """Return the hash of all that makes the results what they are."""
     head = {name: value for name, value in model.head.values.items() if name not in _NO_INPUT}
     inputs = {
-        "version": _VERSION,
+        "version": VERSION,
         "head": head,
         "sections": {t: s.content() for t, s in model.sections.items() if t != "output"},
         # The means of a curve are those of its rows; the other outputs change no figure.

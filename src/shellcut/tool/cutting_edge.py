@@ -6,11 +6,11 @@ in that plane and normal to e. A point p has
 
     along = (p - a) · e,    lateral = (p - a) · b,    depth = (p - a) · k,
 
-and the segment *owns* it when 0 <= along <= L and 0 <= depth < ``CUT_DEPTH`` edge lengths of the
+and the segment *owns* it when 0 <= along <= L and 0 <= depth < ``CUT_DEPTH`` side lengths of the
 film: the point then lies in the strip of the mid-plane behind the segment, ``lateral`` to one side
 of it. All in the body frame of the tool.
 
-A point in the strip need not have been passed by the edge. At the end of an edge the body ends too,
+The edge may not yet have passed a point in the strip. At the end of an edge the body ends too,
 with an end face: below the tip of a tooth the relief rises backwards, and under a steep edge the
 strip reaches far below the blade. If the edge has passed a point, the blade is at the point or
 beside it: the point's *foot* on the mid-plane, p - lateral b, is inside the solid
@@ -37,9 +37,9 @@ from .signed_distance import TriangleGrid, signed_distance
 from .tool import Tool
 
 CUT_DEPTH = 4.0
-"""Points farther behind the edge, in local edge lengths of the film, were passed by another part of
-the tool. Nodes and cables are checked before the edge has moved by a third of an edge
-(:mod:`shellcut.checks.steps`), so this leaves room for film that is dragged along."""
+"""Points farther behind the edge, in local side lengths of the film, were passed by another part of
+the tool. Nodes and cables are checked before the edge has moved by a third of a side
+(:mod:`shellcut.checks.steps`), so film that is dragged along is still found."""
 
 STRIP_SLOPE = 0.2
 """Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
@@ -70,7 +70,7 @@ class CuttingEdges(NamedTuple):
     solid: TriangleGrid
     """Finds the tool's surface, for :func:`in_the_blade`."""
     radius: float
-    """Of the edges, whose segments are then their nose lines; 0 if sharp [mm]."""
+    """Radius of the edges, whose segments are then their nose lines; 0 if sharp [mm]."""
     first: Annotated[Ints, "(n_run_1,)"]
     """First segment of each run of a few that follow one another, and the end."""
     low: Annotated[Floats, "(n_run, 3)"]

@@ -1,6 +1,6 @@
 """How a cutting edge is bowed in its own plane: its tips, its arcs and what is straight.
 
-Film that an edge comes down on meets first what protrudes from the tool: an end of the edge, the
+Film that an edge moves down on meets first what protrudes from the tool: an end of the edge, the
 apex where two straight parts meet, the lowest place of an arc. The turn of the edge about the
 normal of its mid-plane distinguishes them, towards the solid where the edge protrudes.
 
@@ -41,7 +41,7 @@ class EdgeBow(NamedTuple):
     tip: Bools
     """Whether each vertex is a tip, shape (n_vertex,)."""
     radius: Floats
-    """Of the arc to which each segment belongs, inf where it is straight, shape (n_edge,) [mm]."""
+    """Radius of the arc of each segment, inf where it is straight, shape (n_edge,) [mm]."""
     arc: Ints
     """Number of that arc, -1 where it is straight, shape (n_edge,)."""
 

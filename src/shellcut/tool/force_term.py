@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 class ForceTerm:
     """Forces on the nodes that are neither the shells' nor loads.
 
-    A term that books nothing is one more load: the simulation evaluates what it has added to the
-    nodal forces and books its work as ``load_work``, with that of its wrench on the tool. One that
-    stores or dissipates energy may tell: it writes its works to ``touch``, and ``booked`` says into
-    which entries of the ledger they count. Then it books all its work, ½ (f_{n-1} + f_n) · Δx.
+    A term without ``booked`` is one more load: the simulation evaluates what it has added to the
+    nodal forces and counts its work as ``load_work``, with that of its wrench on the tool. A term
+    that stores or dissipates energy writes its works to ``touch``, and ``booked`` says in which
+    entries of the energy balance they count. They are then all its work, ½ (f_{n-1} + f_n) · Δx.
 
     Examples
     --------
@@ -58,16 +58,16 @@ class ForceTerm:
     >>> weight = [sc.Gravity((0.0, 0.0, -1e7))]
     >>> sim = sc.Simulation(mesh, film, loads=weight, terms=[Spring(7, mesh.nodes[7])])
     >>> sim.run(until=1e-4)
-    >>> ledger = sim.close_ledger()
-    >>> abs(ledger.relative(ledger.imbalance)) < 1e-6
+    >>> energies = sim.close_ledger()
+    >>> abs(energies.relative(energies.imbalance)) < 1e-6
     True
     """
 
     name: str
-    """Of its part of the wrench in the columns of the history, and of a checkpoint."""
+    """Name of its part of the wrench in the history's columns and in a checkpoint."""
     touch: Touch = Touch.none(0, 0)
     """What it did in the last evaluation, on each tooth of the tool and in sums of its own. The
-    arrays stay in their place; their contents are booked again after every step."""
+    arrays stay in their place; their contents count again after every step."""
     booked: Sequence[Booking] = ()
     """What the energy balance gets from there at every step. If nothing does, the simulation works
     out what the term adds to the nodal forces, and the work of that."""

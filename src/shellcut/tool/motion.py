@@ -91,7 +91,7 @@ class ScrewMotion:
     """
 
     angular_speed: Annotated[
-        float, Option("rad/s", "after the ramp; to turn clockwise reverse the axis", above=0)
+        float, Option("rad/s", "speed after the ramp; to turn clockwise reverse the axis", above=0)
     ]
     pitch: Pitch = 0.0
     ramp: Ramp = 0.0
@@ -119,9 +119,9 @@ class ScrewMotion:
     def over(
         cls,
         *,
-        angle_deg: Annotated[float, Option("deg", "of the whole motion", above=0)],
+        angle_deg: Annotated[float, Option("deg", "angle of the whole motion", above=0)],
         duration: Annotated[
-            float, Option("s", "of the run; the motion continues at its speed afterwards", above=0)
+            float, Option("s", "of the run; then the motion continues at its speed", above=0)
         ],
         pitch: Pitch = 0.0,
         axis: Axis = (0.0, 0.0, 1.0),
@@ -193,8 +193,8 @@ class StraightMotion:
     (6.0, 'mm')
     """
 
-    direction: Annotated[Sequence[float], Option("", "of any length", form="3 numbers")]
-    speed: Annotated[float, Option("mm/s", "after the ramp", above=0)]
+    direction: Annotated[Sequence[float], Option("", "vector of any length", form="3 numbers")]
+    speed: Annotated[float, Option("mm/s", "speed after the ramp", above=0)]
     ramp: Ramp = 0.0
     _direction: Vec3 = field(init=False, repr=False, compare=False)
 

@@ -9,7 +9,7 @@ from .pose import Pose
 from .table_motion import TableMotion
 
 _LEFT_OVER = 1e-3
-"""Of R : R, from 3: the tool would be larger or smaller by a sixth of it."""
+"""Deviation of R : R from 3: the tool would be larger or smaller by a sixth of it."""
 
 _GIVE_ROWS = (ScrewMotion, StraightMotion, TableMotion)
 """Motions whose poses kernels can evaluate directly. A class derived from one of them is none: it

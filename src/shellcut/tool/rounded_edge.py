@@ -105,11 +105,11 @@ def _check(tool: Tool, radius: float) -> None:
     elif 0.0 < radius < _LEAST * (size := float(norm(np.ptp(tool.vertices, axis=0)))):
         problems.append(
             f"edge_radius must be at least {_LEAST * size:.2g} mm in a tool of {size:.4g} mm, so "
-            f"that the facets of the round can be told apart, got {radius:g} mm; for a sharp edge "
+            f"that the facets of the round stay distinct, got {radius:g} mm; for a sharp edge "
             "take 0"
         )
     elif radius and not tool.n_edge:
-        problems.append(f"edge_radius = {radius:g} mm is of a cutting edge, and this tool has none")
+        problems.append(f"edge_radius = {radius:g} mm needs a cutting edge, and this tool has none")
     if tool.edge_radius:
         problems.append(f"the edge is rounded already, by {tool.edge_radius:g} mm")
     if problems:

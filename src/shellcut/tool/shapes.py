@@ -36,8 +36,8 @@ from .tool import Tool, ToolError
 
 EDGE_DEVIATION = 1.0 / 350.0
 """Largest distance of a chord of the cutting edge from its cylinder, over the half thickness of the
-tooth (1e-3 mm for the default): a cut beside the line of mesh edges costs energy (0.02 mm on edges
-of 0.4 mm: 3.5 %), and mesh edges of a film to be cut are of the order of its thickness."""
+tooth (1e-3 mm for the default): a cut beside the line of quad sides costs energy (0.02 mm on sides
+of 0.4 mm: 3.5 %), and sides of the quads of a film to be cut are of the order of its thickness."""
 
 DEFAULT_DEVIATION = 1.0 / 700.0
 """Target for this distance, likewise, if the number of segments is not given."""
@@ -58,15 +58,15 @@ MOST_TRIANGLES = 1_000_000
 Triangle: TypeAlias = tuple[int, int, int]
 HalfAngle: TypeAlias = Annotated[
     float,
-    Option("deg", "of the wedge in the section parallel to the film", above=0, most=BLUNTEST_EDGE),
+    Option("deg", "of the wedge, in the section parallel to the film", above=0, most=BLUNTEST_EDGE),
 ]
 HalfThickness: TypeAlias = Annotated[
     float, Option("mm", "half the distance of the parallel flanks", above=0)
 ]
-Diameter: TypeAlias = Annotated[float, Option("mm", "of the bar", above=0)]
+Diameter: TypeAlias = Annotated[float, Option("mm", "diameter of the bar", above=0)]
 Tilt: TypeAlias = Annotated[
     float,
-    Option("deg", "of its axis from the vertical; its top leans forward", above=-60, below=60),
+    Option("deg", "from the vertical to its axis; the top leans forward", above=-60, below=60),
 ]
 
 
@@ -74,19 +74,19 @@ Tilt: TypeAlias = Annotated[
 def tooth_ring(
     *,
     n_teeth: Annotated[int, Option("", "number of teeth", least=1)] = 4,
-    radius: Annotated[float, Option("mm", "of the cutting circle", above=0)] = 9.4,
+    radius: Annotated[float, Option("mm", "radius of the cutting circle", above=0)] = 9.4,
     edge_inclination_deg: Annotated[
-        float, Option("deg", "inclination of the edge; it rises forward", above=0, most=90)
+        float, Option("deg", "inclination of the cutting edge; it rises forward", above=0, most=90)
     ] = 60.0,
     wedge_half_angle_deg: HalfAngle = 12.0,
     half_thickness: HalfThickness = 0.35,
     length: Annotated[
-        float, Option("mm", "from the tip to the vertical back, along the arc", above=0)
+        float, Option("mm", "length from the tip to the vertical back, along the arc", above=0)
     ] = 1.5,
     relief_deg: Annotated[
         float, Option("deg", "rise of the bottom from the tip backwards", least=0, below=90)
     ] = 30.0,
-    height: Annotated[float, Option("mm", "from the tip to the top", above=0)] = 5.0,
+    height: Annotated[float, Option("mm", "height from the tip to the top", above=0)] = 5.0,
     tip_clearance: Annotated[float, Option("mm", "of the tip above the film at the start")] = 0.02,
     phase_deg: Annotated[float, Option("deg", "angle of the first tip")] = 0.0,
     edge_radius: EdgeRadius = 0.0,
@@ -226,7 +226,7 @@ def straight_blade(
     length: Annotated[
         float, Option("mm", "from the edge to the back; a longer wedge is cut off there", above=0)
     ] = 3.0,
-    height: Annotated[float, Option("mm", "from the bottom to the top", above=0)] = 6.0,
+    height: Annotated[float, Option("mm", "height from the bottom to the top", above=0)] = 6.0,
     edge_radius: EdgeRadius = 0.0,
 ) -> Tool:
     """Return a blade that moves along +x in the plane y = 0 and cuts the sheet z = 0.
@@ -371,12 +371,12 @@ class Tooth:
 
     @property
     def cot(self) -> float:
-        """Of the inclination of the edge."""
+        """Cotangent of the inclination of the edge."""
         return cos(self.eta) / sin(self.eta)
 
     @property
     def d_corner(self) -> float:
-        """Of K, behind the edge [mm]."""
+        """Distance of K behind the edge [mm]."""
         return self.length * (1.0 + tan(self.relief) * self.cot)
 
     def mesh(

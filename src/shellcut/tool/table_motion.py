@@ -48,8 +48,8 @@ Unwrap: TypeAlias = Annotated[
     bool,
     Option(
         "",
-        "whether angles wrap, as from 359 to 1 deg or from 180 to -180 deg: then the tool makes "
-        "the shorter turn between rows, by less than 135 deg",
+        "whether angles wrap, as from 359 to 1 deg or from 180 to -180 deg: the tool then makes "
+        "the shorter turn between rows, which must be less than 135 deg",
     ),
 ]
 
@@ -125,7 +125,7 @@ class TableMotion:
     def read_csv(
         cls,
         path: Annotated[
-            str | Path, Option("", "time and x, y, z, rx, ry, rz or angle", form="path")
+            str | Path, Option("", "table of time and x, y, z, rx, ry, rz or angle", form="path")
         ],
         *,
         unwrap: Unwrap = False,

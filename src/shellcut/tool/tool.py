@@ -128,7 +128,7 @@ class Tool:
     flank_angle_deg: float = 40.0
     """Limit of turn up to which flanks extend, from :meth:`from_triangles` [deg]."""
     edge_radius: float = 0.0
-    """Of the cutting edges, whose segments are then their nose lines; 0 if sharp [mm]."""
+    """Radius of the cutting edges, whose segments are then their nose lines; 0 if sharp [mm]."""
 
     def __post_init__(self) -> None:
         for item in fields(self):

@@ -51,26 +51,25 @@ def read_tool(
     unit: FileUnit = None,
     axis: FileAxis = "z",
     shift: Annotated[
-        Sequence[float], Option("mm", "moves the tool after that", form="3 numbers")
+        Sequence[float], Option("mm", "translation of the tool, after axis", form="3 numbers")
     ] = (0.0, 0.0, 0.0),
     sharp_angle_deg: Annotated[
-        float,
-        Option("deg", "smallest exterior angle of a cutting edge, 180 less that of the wedge"),
+        float, Option("deg", "smallest exterior angle of a cutting edge, 180 minus its wedge angle")
     ] = 100.0,
-    flank_angle_deg: Annotated[float, Option("deg", "largest turn of a flank")] = 40.0,
+    flank_angle_deg: Annotated[float, Option("deg", "largest angle by which a flank turns")] = 40.0,
     edges: Annotated[
         CuttingEdges,
         Option(
             "",
-            "which edges cut: those that are sharp by their angle, or none; a tool without cutting "
-            "edges is blunt, it only pushes",
+            "which edges cut: those that are sharp by their angle, or none; a tool without "
+            "cutting edges only presses",
         ),
     ] = "by angle",
     not_cutting: Annotated[
         Collection[int],
         Option(
             "",
-            "numbers, from 0, of cutting edges that should not cut, as they count when all do",
+            "numbers of cutting edges that should not cut, counted from 0 over all that could",
             form="whole numbers",
         ),
     ] = (),
@@ -79,7 +78,7 @@ def read_tool(
         float | None,
         Option(
             "mm",
-            "merge vertices closer than this",
+            "vertices closer than this are merged",
             unset="1e-7 of the diagonal; a tenth of chord_deviation",
         ),
     ] = None,
@@ -87,11 +86,11 @@ def read_tool(
         float | None,
         Option(
             "mm",
-            "of triangles from curved faces of STEP and IGES",
+            "largest distance of triangles from curved faces of STEP and IGES",
             unset="5e-4 of the diagonal",
         ),
     ] = None,
-    name: Annotated[str | None, Option("", "of the tool", unset="that of the file")] = None,
+    name: Annotated[str | None, Option("", "name of the tool", unset="that of the file")] = None,
 ) -> Tool:
     """Read a tool: STL, OBJ or PLY; STEP or IGES with Gmsh (extra ``mesh``).
 
@@ -180,7 +179,7 @@ def _surface(path: Path, chord_deviation: float | None, unit: str | float | None
         known = ", ".join((*READERS, *cad_surface.SUFFIXES))
         raise FileError(path, f"the name must end in one of {known}")
     if chord_deviation is not None:
-        raise FileError(path, "chord_deviation is of STEP and IGES: this file holds triangles")
+        raise FileError(path, "chord_deviation is for STEP and IGES: this file has triangles")
     return READERS[suffix](path)
 
 

@@ -26,7 +26,7 @@ class Touch(NamedTuple):
 
     Examples
     --------
-    Of a term that touches a tool of one tooth and books two sums:
+    For a term that touches a tool of one tooth and counts two sums:
 
     >>> touch = Touch.none(n_tooth=1, n_sum=2)
     >>> touch.wrench.shape, touch.sums.shape
@@ -63,18 +63,18 @@ class Booking(NamedTuple):
 
     Examples
     --------
-    What went into a spring between film and tool: less what it did on the film, which is the second
-    of its sums, and on the tool, by its wrench:
+    The energy stored by a spring between film and tool is minus its work on the film, which is the
+    second of its sums, and on the tool, by its wrench:
 
-    >>> booked = Booking("contact_work", 1, -1.0), Booking.of_wrench("contact_work", -1.0)
+    >>> entries = Booking("contact_work", 1, -1.0), Booking.of_wrench("contact_work", -1.0)
     """
 
     entry: str
-    """Of the energy balance."""
+    """Entry of the energy balance."""
     column: int
-    """Of ``sums``, or ``ON_TOOL``."""
+    """Column of ``sums``, or ``ON_TOOL``."""
     factor: float = 1.0
-    """Times which it is added."""
+    """Factor on the sum that is added."""
 
     @classmethod
     def of_wrench(cls, entry: str, factor: float = 1.0) -> Booking:

@@ -1,4 +1,4 @@
-"""Pictures of a run, drawn by Matplotlib (``pip install shellcut[plot]``).
+"""Pictures of a run, drawn by Matplotlib (``pip install 'shellcut-fem[plot]'``).
 
 May import ``frame``, ``formats`` and rows below.
 """

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from shellcut.files.distribution import pip_install
 from shellcut.files.whole_file import atomic_write
 
 
@@ -22,7 +23,7 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError(
-            "pictures need Matplotlib, which is not installed: pip install shellcut[plot]"
+            f"pictures need Matplotlib, which is not installed: {pip_install('plot')}"
         ) from error
     figure = Figure(figsize=size, dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)

@@ -10,6 +10,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
+from shellcut.files.distribution import pip_install
 from shellcut.frame import Frame
 
 from .fields import FIELDS, Field, field_limits, fields_of
@@ -89,8 +90,8 @@ class Look:
             from matplotlib import colormaps
         except ImportError as error:
             raise ImportError(
-                f"the colour map {self.colormap!r} needs Matplotlib, which is not installed: pip "
-                f"install shellcut[plot]; {_DEFAULT!r} does not"
+                f"the colour map {self.colormap!r} needs Matplotlib, which is not installed: "
+                f"{pip_install('plot')}; {_DEFAULT!r} does not"
             ) from error
         if self.colormap not in colormaps:
             raise ValueError(

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shellcut.files.distribution import pip_install
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
@@ -114,7 +115,7 @@ def _ffmpeg() -> str:
         found = shutil.which("ffmpeg")
         if found is None:
             raise ImportError(
-                "an MP4 needs ffmpeg, which is not installed: pip install shellcut[movie]; "
+                f"an MP4 needs ffmpeg, which is not installed: {pip_install('movie')}; "
                 "a .webp or .gif needs nothing more"
             ) from error
         return found

@@ -3,11 +3,11 @@
 Square 10 x 10 of five quads around a skewed inner one; the corners carry the nodal forces and
 moments of a constant state of stress, the least supports hold the rigid motion. All nodes must take
 the linear (in bending quadratic) displacement, all quads the stress, to round-off. In transverse
-shear the directors are held: a constant shear force without them needs moments that grow along the
+shear the directors are fixed: otherwise a constant shear force needs moments that grow along the
 plate. A free quad has 20 freedoms and six rigid motions.
 
 In bending the solution carries round-off times the condition of the stiffness, some 10 (L / t)²:
-1e-10 is reached down to t / L = 0.01; what is left at 0.001 is printed beside.
+1e-10 is reached down to t / L = 0.01; what is left at 0.001 is printed for information.
 
 Source: Ko, Lee, Bathe, C&S 182 (2017) 404-418, Fig. 5. Bands: patch tests, 1e-10.
 """

@@ -267,13 +267,13 @@ TWISTED_FACETS = {
 }
 
 
-@case("A15", "Trap: facets of OpenSees' ShellMITC4", fast=False)
+@case("A15", "Another element: facets of OpenSees' ShellMITC4", fast=False)
 def a15() -> list[Check]:
-    """A15 trap: OpenSees' ShellMITC4 is not the MITC4 of 1984 on curved or warped meshes.
+    """A15 OpenSees' ShellMITC4 is not the MITC4 of 1984 on curved or warped meshes.
 
     That code projects each quad to a flat facet and adds a drilling stiffness; on coarse curved
     meshes it is far stiffer, on warped thin ones it locks outright. Our values on the same meshes
-    against its values, printed beside and never a gate. The two agree in the limit of fine meshes
+    against its values, for information only. The two agree in the limit of fine meshes
     only; on flat meshes they agree everywhere (A08).
 
     Source: OpenSees 3.7.1, run for the collection.

@@ -93,7 +93,7 @@ def exact_round(edge: str, thickness: float) -> float:
 
 
 def on_a_disc(edge: str, thickness: float, n_side: int) -> tuple[float, float]:
-    """Return w D / (q R⁴) in the middle, and the mean edge of the quads."""
+    """Return w D / (q R⁴) in the middle, and the mean side of the quads."""
     mesh = disc(1.0, n_side=n_side)
     middle, rim = int(mesh.node_set("centre")[0]), mesh.node_set("rim")
     supports = {
@@ -118,15 +118,15 @@ def on_a_disc(edge: str, thickness: float, n_side: int) -> tuple[float, float]:
 def a14() -> list[Check]:
     """A14 circular plate under uniform pressure, clamped and simply supported.
 
-    R = 1, h / R = 0.001, nu = 0.3; the library's disc, whose rim is a polygon. Read: w D / (q R⁴)
-    in the middle. The simple support holds the deflection of the rim only, so the directors are
-    free to tilt along it, as on a round rim (a hard support of a polygon's sides would tend to
-    another limit, Babuska's paradox). A thick plate, h / R = 0.1, adds the shear deflection q R² /
-    (4 k G h).
+    R = 1, h / R = 0.001, nu = 0.3; the library's disc, whose border is a polygon. Read: w D / (q
+    R⁴) in the middle. The simple support fixes only the deflection of the border, so the directors
+    are free to tilt along it, as on a round border (a hard support of a polygon's sides would tend
+    to another limit, Babuska's paradox). A thick plate, h / R = 0.1, adds the shear deflection q R²
+    / (4 k G h).
 
     Source: Timoshenko, 1/64 and (5 + nu) / (64 (1 + nu)); code_aster SSLS100, the same formula.
 
-    Bands: to the order of the discretisation: (s / R)², s the mean edge of the quads.
+    Bands: to the order of the discretisation: (s / R)², s the mean side of the quads.
     """
     rows = []
     for thickness in (0.001, 0.1):

@@ -2,7 +2,7 @@
 
 R = 10, h = 0.04, E = 6.825e7, nu = 0.3; four radial dead forces of up to 400 at the equator,
 outward and inward in turn: 200 at each loaded node of the quarter with two symmetry planes; one
-axial displacement held. Read: outward deflection of A, inward deflection of B.
+axial displacement fixed. Read: outward deflection of A, inward deflection of B.
 
 Source: Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551-1569, Table 4 (Abaqus S4R, 16 x 16).
 S4R integrates its membrane strains once a quad and does not lock. Plain MITC4 takes them as they

@@ -148,11 +148,11 @@ def stretched_disc(n_side: int) -> tuple[dict[tuple[int, int], float], float]:
 def c03() -> list[Check]:
     """C03 Circular membrane under uniform tension: natural frequencies.
 
-    Radius a, a / h = 1e4, stretched by 1 %, rim held. Read: k = omega a / sqrt(T / m) of the modes
-    with n nodal diameters and s circles, found by their likeness to J_n(k r). With S the second
-    Piola-Kirchhoff stress of the stretch, T per present length and m per present area, k is omega a
-    / sqrt(S / rho), a of the reference. The rim is free to turn: bending then takes no edge layer,
-    and adds (k / a)² D / 2 T < 1e-5 to a frequency.
+    Radius a, a / h = 1e4, stretched by 1 %, border fixed. Read: k = omega a / sqrt(T / m) of the
+    modes with n nodal diameters and s circles, found by their likeness to J_n(k r). With S the
+    second Piola-Kirchhoff stress of the stretch, T per present length and m per present area, k is
+    omega a / sqrt(S / rho), a of the reference. The border is free to turn: bending then has no
+    boundary layer, and adds (k / a)² D / 2 T < 1e-5 to a frequency.
 
     Source: exact, zeros of J_n.
     """

@@ -3,11 +3,12 @@
 A strip of shells, nu = 0, length L, fixed at one end; at the other the stress sigma0 acts from
 t = 0 on. Read: displacement of that end, arrival of the front at the middle, and the critical step.
 
-Source: d'Alembert. The end goes as a triangle, 0 to 2 sigma0 L / E at t = 2 L / c and back, with
-c = sqrt(E / rho). On equal quads of length s with lumped mass the fastest membrane mode of a chain
-that is fixed at one end has omega = (2 c / s) cos(pi / 4 n), hence the critical step s / c. All
-nodes are held in y, z and turn: otherwise a strip one quad wide rocks faster,
-omega² = 12 k G / (rho s²), by transverse shear against the scaled inertia; its step is beside.
+Source: d'Alembert. The displacement of the end is a triangle in time: 0 to 2 sigma0 L / E at t = 2
+L / c and back, with c = sqrt(E / rho). On equal quads of length s with lumped mass the fastest
+membrane mode of a chain that is fixed at one end has omega = (2 c / s) cos(pi / 4 n), hence the
+critical step s / c. All nodes are fixed in y, z and rotation: otherwise a strip one quad wide rocks
+faster, omega² = 12 k G / (rho s²), by transverse shear against the scaled inertia; its step is
+printed for information.
 
 Bands: kind mesh. Behind a front of n quads the central difference rings over n^(1/3) of them
 (Airy): the front is smeared by (s / L) n^(1/3) of the length.
@@ -83,7 +84,16 @@ def checks() -> list[Check]:
         Check("its time, c / L", 2.0, time[tip.argmax()] * SPEED / LENGTH, smear, "mesh, front"),
         Check("largest departure from the triangle", 0.0, off, smear, "mesh, front", absolute=True),
         Check("front speed to L / 2, over c", 1.0, 0.5 * LENGTH / arrival / SPEED, smear, "mesh"),
-        Check("critical step, s / c", 1.0, 2.0 / omega * SPEED * N / LENGTH, 1e-4, "end of chain"),
+        Check(
+            "critical step, s / c", 1.0, 2.0 / omega * SPEED * N / LENGTH, 1e-4, "end of the chain"
+        ),
         Check("largest frequency, chain of n", exact_omega, omega, 1e-6, "round-off"),
-        Check("critical step, bending free, s / c", 1.0, free, 1e-4, "rocking", gate=False),
+        Check(
+            "critical step, bending free, s / c",
+            1.0,
+            free,
+            1e-4,
+            "rocking of the strip",
+            gate=False,
+        ),
     ]

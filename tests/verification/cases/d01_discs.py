@@ -27,7 +27,7 @@ def in_the_middle(r: np.ndarray, value: np.ndarray, spacing: float) -> float:
 
 
 def at_the_rim(r: np.ndarray, value: np.ndarray, radius: float, n_around: int) -> float:
-    """Return the value at the rim by a parabola through the last three layers of quads."""
+    """Return the value at the border by a parabola through the last three layers of quads."""
     rings = np.stack([r, value])[:, -3 * n_around :].reshape(2, 3, n_around).mean(axis=2)
     return float(np.polyval(np.polyfit(rings[0] - radius, rings[1], 2), 0.0))
 
@@ -35,7 +35,7 @@ def at_the_rim(r: np.ndarray, value: np.ndarray, radius: float, n_around: int) -
 DEFLECTION = 0.01  # w0 / a
 THICKNESS = 1e-4 * RADIUS
 MEMBRANE = ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, thickness=THICKNESS)
-EXACT = {"w0": 0.6534433447, "S centre": 0.4311010161, "S rim": 0.3329568069, "V": 1.0703166865}
+EXACT = {"w0": 0.6534433447, "S centre": 0.4311010161, "S border": 0.3329568069, "V": 1.0703166865}
 MESHES = (8, 16, 32)  # n_side
 
 
@@ -54,7 +54,7 @@ def coefficients(n_side: int) -> dict[str, float]:
     return {
         "w0": float(z[mesh.node_set("centre")].mean()) / (RADIUS * scale),
         "S centre": in_the_middle(r, stress, spacing) / unit,
-        "S rim": at_the_rim(r, stress, RADIUS, 4 * n_side) / unit,
+        "S border": at_the_rim(r, stress, RADIUS, 4 * n_side) / unit,
         "V": float((mesh.quad_areas() * z[mesh.quads].mean(axis=1)).sum()) / (RADIUS**3 * scale),
     }
 
@@ -65,10 +65,10 @@ def coefficients(n_side: int) -> dict[str, float]:
     axes=("1 / n, n quads along a side of the core", "relative error"),
 )
 def d01() -> list[Check]:
-    """D01 Hencky's membrane: a flat disc without prestress under dead pressure, rim held.
+    """D01 Hencky's membrane: a flat disc without prestress under dead pressure, border fixed.
 
     Radius a, nu = 0.3. Read, over the powers of q a / E h that belong to them: deflection w0 and
-    radial stress in the middle, radial stress at the rim, volume swept.
+    radial stress in the middle, radial stress at the border, volume swept.
 
     Source: exact for Foeppl's model, the power series to 30 digits (Hencky, Alekseev, Fichter:
     0.653 and 0.431). Foeppl's model is the limit of small slopes without bending: here w0 / a =
@@ -94,7 +94,7 @@ def d01() -> list[Check]:
 
 N_SIDE = 32
 H = 1e-3 * RADIUS
-NAMES = ("w0 / h", "membrane, centre", "membrane, rim", "bending, centre", "bending, rim")
+NAMES = ("w0 / h", "membrane, centre", "membrane, border", "bending, centre", "bending, border")
 VON_KARMAN = {
     0.1: (0.01706, 0.00028, 0.00014, 0.04874, 0.07499),
     1: (0.16803, 0.02754, 0.01347, 0.47783, 0.74388),
@@ -145,19 +145,18 @@ def path() -> np.ndarray:
     axes=("Q = q a⁴ / (E h⁴)", "w0 / h; stresses times a² / (E h²)"),
 )
 def d04() -> list[Check]:
-    """D04 Von Karman's clamped circular plate, rim held in its plane too.
+    """D04 Von Karman's clamped circular plate, border fixed in its plane too.
 
     Radius a, nu = 0.3, a / h = 1000, dead pressure Q = q a⁴ / E h⁴ up to 1000. Read: w0 / h;
-    membrane stress in the middle and radial at the rim, bending stress in the middle and radial at
-    the rim, all by a² / E h².
+    membrane and bending stress, in the middle and radial at the border, all times a² / E h².
 
     Source: exact for von Karman's theory, Chebyshev collocation, Newton to 1e-11. The model differs
     by the slope squared, 2e-4 at the last load.
 
     Bands: kind mesh. w0: 2 / n², n quads along a side of the core, and half a digit. Stresses are
-    of the quads' middles, extrapolated to centre and rim by parabolas: ten times as much. The
-    bending at the rim decays within sqrt(D / N) (0.057 a at Q = 1000), which the mesh must resolve
-    besides: the square of its size over that length.
+    of the quads' middles, extrapolated to centre and border by parabolas: ten times as much. The
+    bending at the border decays within sqrt(D / N) (0.057 a at Q = 1000), which the mesh must
+    resolve besides: the square of its size over that length.
     """
     ours = path()
     reference = np.array(list(VON_KARMAN.values()))
@@ -169,7 +168,7 @@ def d04() -> list[Check]:
         for k, name in enumerate(NAMES):
             value = reference[i, k]
             band = (2.0 if k == 0 else 20.0) / N_SIDE**2 + DIGIT / value
-            if name == "bending, rim":
+            if name == "bending, border":
                 decay = RADIUS / np.sqrt(12.0 * (1.0 - POISSON**2) * reference[i, 2])
                 band += (layer_size / decay) ** 2
             rows.append(Check(f"{name}, Q = {Q:g}", value, ours[i, k], band, "mesh"))
@@ -198,8 +197,8 @@ def d07() -> list[Check]:
     R = 10, h = 1 mm, E = 200 GPa, nu = 0.3, pressure 222.72 MPa. Read: w0.
 
     Source: V6.01.302 (solid elements, SAMCEF): 1.5 mm; the support acts at one fibre of a thick
-    plate. Confidence low to medium: beside. Von Karman's theory, rim held in its plane at
-    mid-height, gives 1.4355; ours has the transverse shear of a thick plate too.
+    plate. Confidence low to medium: for information. Von Karman's theory, border fixed in its plane
+    at mid-height, gives 1.4355; ours has the transverse shear of a thick plate too.
     """
     thick, thin = deflection(1.0), deflection(100.0)
     return [

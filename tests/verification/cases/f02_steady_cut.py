@@ -1,13 +1,13 @@
 """F02 Steady straight cut: the blade's work is the fracture energy.
 
 A clamped strip of the film of 2010, cut along its middle without friction. Read: mean force over
-whole node periods of the steady part, the cables' part of it, and the imbalance of the ledger.
+whole node periods of the steady part, the cables' part of it, and the imbalance of the energies.
 
 Source: exact as a statement of energy (Atkins and Mai 1979): F = G h = 43.5 * 0.074 = 3.219 N.
 
 Bands: the force is a sawtooth with the node spacing, of which a mean over m periods keeps 1 / m at
-most; damping and waves come on top, at 6 m/s against 1300 m/s of the film's waves: 2 %. The ledger
-closes to the second order of the step.
+most; damping and waves come on top, at 6 m/s against 1300 m/s of the film's waves: 2 %. The
+energies balance to the second order of the step.
 """
 
 import numpy as np

@@ -4,8 +4,8 @@ A strip is cut by a blade with the speed v along the strip and xi v along its ed
 forces along the two. Read: work of each force per length of cut, over whole node periods of the
 steady part.
 
-1. The film of 2010, whose flaps give way out of plane: V + xi H = G h whatever the joints do, as
-   long as they do not rub. Source: exact as a statement of energy.
+1. The film of 2010, whose flaps move out of plane: V + xi H = G h whatever the joints do, as long
+as there is no friction. Source: exact as a statement of energy.
 2. A stiff thin cut, 1 mm of film with a tenth of the paper's G and a blade of 4 µm, which stays in
    plane: perfect adhesion gives V = G h / (1 + xi²) and H = xi V ([Atkins2016]), free slip V = G h
    and H = 0, and Coulomb slip with mu the same as adhesion, but with rho = min(xi, mu pi/2) in

@@ -5,9 +5,9 @@ on its mass along the normal; a second load along the slope grows slowly. Read: 
 at which it begins to slide, its acceleration afterwards, and what friction has dissipated.
 
 Source: Coulomb's law. It sticks while the slope load is below mu times the normal one, and then
-accelerates by their difference; friction does the work mu N times the way.
+accelerates by their difference; friction does the work mu N times the distance.
 
-Bands: discretisation in time, and the swing of the springs that the start leaves. Limit and growth
+Bands: discretisation in time, and the oscillation of the springs after the start. Limit and growth
 are read from the root of the speed, which is linear in time.
 """
 
@@ -31,7 +31,7 @@ FRAME = np.array(
 
 
 def incline() -> Tool:
-    """A box whose upper face goes through the origin, tilted."""
+    """A tilted box whose upper face contains the origin."""
     corners = box_corners((-20.0, -5.0, -5.0), (20.0, 5.0, 0.0))
     return blunt(corners @ FRAME.T, BOX_FACES)
 
@@ -71,9 +71,9 @@ def checks() -> list[Check]:
     spent = FRICTION * PRESSED * mass.sum() * way
     both = ledger.friction_stored + ledger.friction_dissipated
     return [
-        Check("slope load over normal load where it slides", FRICTION, begins, 5e-3, "time"),
-        Check("growth of its acceleration, mm/s³", PRESSED / SLOPE, growth, 5e-3, "time"),
-        Check("dissipated by friction, N mm", spent, ledger.friction_dissipated, 5e-3, "time"),
+        Check("slope load over normal load where it slides", FRICTION, begins, 5e-3, "time step"),
+        Check("growth of its acceleration, mm/s³", PRESSED / SLOPE, growth, 5e-3, "time step"),
+        Check("dissipated by friction, N mm", spent, ledger.friction_dissipated, 5e-3, "time step"),
         Check(
             "stored and dissipated over work", 1.0, both / ledger.friction_work, 1e-9, "round-off"
         ),

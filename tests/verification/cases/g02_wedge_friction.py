@@ -13,8 +13,8 @@ the same. With N on each face, F = 2 N (sin a + mu cos a), and F = G h + 2 mu N:
     F / (G h) = sin(a + b) / (sin(a + b) - sin b),   friction / F = sin b / sin(a + b).
 
 Bands: 5 % as asked of a mesh with four quads over each arm; of it the damping of the cables that
-break one by one takes some 2 %. The ledger closes, so that force less G h, friction and damping is
-what is stored: within 1 % of the force over whole edges in the mean.
+break one by one takes some 2 %. The energies balance, so force less G h, friction and damping is
+what is stored: within 1 % of the force, in the mean over whole quads.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ TRAVEL = {10.0: 20.0, 20.0: 28.0, 30.0: 40.0}  # mm: of them the first half unti
 
 
 def force(angle_deg: float, friction: float) -> tuple[float, float, float]:
-    """Return force over G h, friction over force, and what the ledger leaves over force."""
+    """Return force over G h, friction over force, and the rest of the energy balance over force."""
     travel = TRAVEL[angle_deg]
     length = travel + 25.0
     strip = rectangle(length, 2.0 * ARM, size=SIZE)

@@ -1,8 +1,8 @@
 """G03 A ball pressed into a stretched film: force over depth, between the nodes too.
 
-A round film under an isotropic tension, clamped at its rim; a triangulated ball comes down a little
-off its middle, slowly. On the coarse mesh the circle of contact is smaller than a quad: the film is
-met by the ball's corners between its nodes. Read: the force at a given depth.
+A round film under an isotropic tension, clamped at its border; a triangulated ball moves down
+slowly, a little off its middle. On the coarse mesh the circle of contact is smaller than a quad:
+the film is met by the ball's corners between its nodes. Read: the force at a given depth.
 
 Source: membrane under a load F at the distance d from the middle of a disc of radius a, and the
 ball of radius R touching it within the radius c, frictionless (slopes small, tension T constant):
@@ -60,7 +60,7 @@ def checks() -> list[Check]:
     for n_side, n_layer, band in ((4, 2, 0.1), (12, 6, 0.05)):
         found, imbalance = pressed(n_side, n_layer, depth)
         edge = 2.0 * RIM / (n_side + 2.0 * n_layer)
-        said = f"edges of {edge:.1f} mm, circle of {TOUCHED} mm"
+        said = f"quads of {edge:.1f} mm, circle of {TOUCHED} mm"
         rows += [
             Check(f"force on the ball, N, {said}", force, found, band, "mesh, facets, slope"),
             Check(f"imbalance / work, {said}", 0.0, imbalance, 1e-6, "round-off", absolute=True),

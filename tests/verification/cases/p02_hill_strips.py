@@ -43,7 +43,7 @@ def checks() -> list[Check]:
             rows.append(Check(name, value, float(state.stress[0]), 5e-6, "last digit"))
     # Where both stresses agree the normal to the surface, and so the flow, has the ratio G : F.
     both = MaterialPoint(film(0.0)).strain_to([0.4 * G, 0.4 * F, 0.0])
-    rows.append(Check("strength both ways", 1.09545, float(both.stress[0]), 1e-4, "elastic part"))
+    rows.append(Check("equibiaxial strength", 1.09545, float(both.stress[0]), 1e-4, "elastic part"))
     shear = MaterialPoint(film(0.0)).strain_to([0.0, 0.0, 0.8])
     rows.append(Check("strength in shear", 0.59409, float(shear.stress[2]), 1e-5, "last digit"))
     return rows

@@ -1,4 +1,4 @@
-"""P03 Large strains: every law pulled, stretched both ways and sheared to a true strain of one.
+"""P03 Large strains: every law pulled, stretched equibiaxially and sheared to a true strain of one.
 
 In a monotonic path the stress is the hardening curve itself: with the equivalent stress q and the
 plastic strain ε - q/E' of the path, q = sigma_y(p), exactly and in one step or many.
@@ -46,7 +46,12 @@ def checks() -> list[Check]:
                 slid = sheared.strain_to([0.0, 0.0, 2.0 * e])
             for kind, q, p, one in (
                 ("pull", state.stress[0], 1.0 - state.stress[0] / E, state),
-                ("both ways", spread.stress[0], 2 * (1 - (1 - NU) * spread.stress[0] / E), spread),
+                (
+                    "equibiaxial",
+                    spread.stress[0],
+                    2 * (1 - (1 - NU) * spread.stress[0] / E),
+                    spread,
+                ),
                 (
                     "shear",
                     np.sqrt(3.0) * slid.stress[2],

@@ -1,10 +1,10 @@
 """P04 Considère: the largest force that a strip of a hardening film carries.
 
-sigma = K eps^n, rigid before it yields: the force of a strip with free sides has its maximum at
-eps = n, F = A0 K n^n exp(-n). With the sides held it is at eps_1 = n as well, and larger by
-(2/sqrt 3)^(n+1). As a point, and as a strip of 4 x 2 quads by statics, drawn out beyond the
-maximum; it stays a prism. The maximum is flat: the law is a table of so many points that its place
-is seen to a thousandth.
+sigma = K eps^n, rigid before it yields: the force of a strip with free sides has its maximum at eps
+= n, F = A0 K n^n exp(-n). With fixed sides it is at eps_1 = n as well, and larger by (2/sqrt
+3)^(n+1). As a point, and as a strip of 4 x 2 quads by statics, drawn out beyond the maximum; it
+stays a prism. The maximum is flat: the law is a table of so many points that its place is seen to a
+thousandth.
 
 Source: Considère 1885; in plane strain by the equivalent strain 2/sqrt 3 eps_1.
 """
@@ -69,7 +69,10 @@ def checks() -> list[Check]:
     n = EXPONENT
     closed = K * n**n * np.exp(-n)
     rows = []
-    for name, held, factor in (("free sides", False, 1.0), ("held", True, (2 / 3**0.5) ** (n + 1))):
+    for name, held, factor in (
+        ("free sides", False, 1.0),
+        ("fixed sides", True, (2 / 3**0.5) ** (n + 1)),
+    ):
         strength, strain = largest_of_point(held)
         rows.append(Check(f"strength [MPa], {name}", factor * closed, strength, 1e-3, ELASTIC))
         rows.append(Check(f"strain, {name}", n, strain, 2e-3, ELASTIC))

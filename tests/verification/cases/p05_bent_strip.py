@@ -1,4 +1,4 @@
-"""P05 Bending of a strip beyond yield, and what is left when it is let go.
+"""P05 Bending of a strip beyond yield, and what is left after unloading.
 
 Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its section may warp:
 
@@ -10,7 +10,7 @@ bent strip less that of an elastic one,
     sigma = min(E kappa z, sigma_y) - 12 M z/(b t³)     (z > 0, and the opposite below),
 
 with no resultant and no moment: compressed at the faces, pulled at the border of the core. In a
-wide strip, whose width is held, the limit is M_p 2/sqrt 3, M_p = 3/2 M_y.
+wide strip, whose width is fixed, the limit is M_p 2/sqrt 3, M_p = 3/2 M_y.
 
 Source: closed form (beam theory). Two layers of nine Gauss points see the border of the elastic
 core between two of them: up to 1 % of the moment. Beam theory knows no stress across the strip. A

@@ -3,8 +3,9 @@
 p = 6.516 M0/R² simply supported, 12.552 M0/R² clamped, M0 = sigma_y t²/4. The plate is so stiff
 (E/sigma_y = 1e5, R/t = 10) that its deflection at the limit is a thousandth of its thickness, where
 membrane action hides nothing. The pressure is raised by half a per cent at a time until the
-deflection is twenty times the elastic one. A clamped rim is a hinge, which the quads have at their
-Gauss points, beside the rim: that takes the limit down with the first order of the quads' size.
+deflection is twenty times the elastic one. A clamped border is a plastic hinge, which the quads
+have at their Gauss points, beside the border: this lowers the limit by the first order of the
+quads' size.
 
 Source: Hopkins & Wang 1954.
 """

@@ -78,6 +78,6 @@ def checks() -> list[Check]:
         Check("cables at 2 mm [N/mm]", G, float(found[0, 1]), 1e-3, "trapezoidal rule"),
         Check("cables at 6 mm [N/mm]", G, float(found[-1, 1]), 1e-3, "trapezoidal rule"),
         Check("off the line, over G", 0.0, worst / G, 0.02, "as above", absolute=True),
-        Check("imbalance", 0.0, float(np.abs(found[:, 2]).max()), 1e-4, "step", absolute=True),
+        Check("imbalance", 0.0, float(np.abs(found[:, 2]).max()), 1e-4, "time step", absolute=True),
         Check("whole work at 6 mm [N/mm]", G, float(found[-1, 0]), 0.05, "yielding", gate=False),
     ]

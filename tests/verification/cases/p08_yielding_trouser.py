@@ -2,7 +2,7 @@
 
 Two legs of breadth b/2 are pulled apart, out of the plane of the strip, each by a force F. In the
 steady state the picture moves with the tip, so over one millimetre of crack (a) the work of the two
-ends, dW/da = 2 F dw/da with w half the way apart, is
+ends, dW/da = 2 F dw/da with w half their distance, is
 
     dW/da = G h + D + U + losses,
 
@@ -17,11 +17,11 @@ G h is the law's, not what the cables took; that they took it is a check of its 
 moving and damped legs, are below one per cent of D; the film whose legs yield less is torn at half
 the speed, so that they are so there too.
 
-The crack runs along a straight row of edges; tests/verification/test_trouser.py leads it through
+The crack runs along a straight line of sides; tests/verification/test_trouser.py leads it through
 quads.
 
-Source: energy balance. Slopes over w by fitted lines, from ``START`` on:
-the crack grows by an edge at a time.
+Source: energy balance. Slopes over w by fitted lines, from ``START`` on: the crack grows by one
+side at a time.
 """
 
 from functools import partial
@@ -42,8 +42,8 @@ RISE = 3e-4  # s
 START = 10.0  # mm of w, from which on a/w stays
 END = LENGTH - 2.0 / 3.0 * WIDTH
 TEARING = TEAR_LAW.fracture_energy * THICKNESS
-EDGES = "the crack grows by edges"
-LOSSES = "losses, and edges"
+EDGES = "the crack grows by element sides"
+LOSSES = "losses, growth by element sides"
 
 
 def _velocity(time: float, speed: float) -> float:
@@ -51,7 +51,7 @@ def _velocity(time: float, speed: float) -> float:
 
 
 def strip(young: float, speed: float, length: float = LENGTH) -> Simulation:
-    """Return a strip whose two legs, beside a notch along its middle row of edges, are pulled."""
+    """Return a strip whose two legs, beside a notch along its middle line of sides, are pulled."""
     mesh = trouser_strip(length, WIDTH, SIZE)
     x, y = mesh.nodes[:, 0], mesh.nodes[:, 1]
     slit = np.flatnonzero((np.abs(y) < 1e-9) & (x <= NOTCH + 1e-9))
@@ -124,7 +124,7 @@ def checks() -> list[Check]:
                 gate=stiff,
             ),
             Check(f"{name}: excess [N] against plastic and kept", kept, excess, 0.02, LOSSES),
-            Check(f"{name}: dw/da", 1.0, work["way"], 0.03, "torn edges are stretched"),
-            Check(f"{name}: imbalance", 0.0, work["imbalance"], 1e-5, "step", absolute=True),
+            Check(f"{name}: dw/da", 1.0, work["way"], 0.03, "torn flanks are stretched"),
+            Check(f"{name}: imbalance", 0.0, work["imbalance"], 1e-5, "time step", absolute=True),
         ]
     return rows

@@ -8,12 +8,12 @@ stiff beside the error of its mesh: the strain is linear in ξ³ (:mod:`shellcut
 
 *Membrane.* MITC4 interpolates the membrane strains as the displacements give them. Where mesh lines
 follow the lines of curvature (or the rulings of the twisted strip) quads bend without stretching,
-and nothing locks. On skewed meshes of doubly curved shells bending without stretching is not in
-the element, and the error grows as (s² / R t)²: the pinched hemisphere below. This limit is
-MITC4's own, MITC4+ (Ko, Lee, Bathe 2017) was made to lift it. Nothing here gates.
+and nothing locks. On skewed meshes of doubly curved shells bending without stretching is not in the
+element, and the error grows as (s² / R t)²: the pinched hemisphere below. This limit is MITC4's
+own, MITC4+ (Ko, Lee, Bathe 2017) was made to lift it. Nothing here has a verdict.
 
-The skewed mesh: the sides are divided as 1 : 2 : ... : N, opposite ones the other way round, and
-joined by lines straight in the map.
+The skewed mesh: the sides are divided as 1 : 2 : ... : N, opposite ones in reverse, and joined by
+lines straight in the map.
 """
 
 from collections.abc import Callable

@@ -5,8 +5,8 @@ the velocity of a mode, of an amplitude of 1e-4 of the thickness. Read: the freq
 sine through some twenty periods of the film's part along the mode.
 
 Reference: :meth:`Statics.modes` with the driver's own inertia; the central difference shortens the
-period, sin(omega_n dt / 2) = omega dt / 2, which is taken into account. Band: kind fit, 1e-5: what
-is left of other modes, started because the spins are not, averages out over the periods.
+period, sin(omega_n dt / 2) = omega dt / 2, which is included. Band: kind fit, 1e-5: what is left of
+other modes, started because the spins are not, averages out over the periods.
 """
 
 from collections.abc import Callable, Sequence

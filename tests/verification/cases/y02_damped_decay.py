@@ -10,8 +10,9 @@ damping force of beta lagging half a step,
     (1 + a) z² - (2 - omega² dt² - b) z + (1 - a - b) = 0:  |z|² = (1 - a - b) / (1 + a),
 
 rate -ln|z| / dt, frequency arg(z) / dt: exact, but for round-off and the amplitude (strains of
-1e-7). Beside: rates of the continuous film, (alpha + beta omega²) / 2; the lag adds about b / 2 of
-the part of beta. That holds to the order of the step: two runs with dt and dt / 2 have the ratio 2.
+1e-7). For information: rates of the continuous film, (alpha + beta omega²) / 2; the lag adds about
+b / 2 of the part of beta. That holds to the order of the step: two runs with dt and dt / 2 have the
+ratio 2.
 """
 
 import numpy as np

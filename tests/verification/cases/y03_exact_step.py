@@ -7,8 +7,8 @@ of the largest velocity, and the driver's safe bound over the exact step.
 
 Bands are bounds: growth below 10 and above 1e4; the safe bound between 0.8 and 1 of the exact step
 on the first five meshes. Where quads differ, on the disc of the opening test and on a mesh
-distorted on purpose (scaled Jacobians down to 0.6), it lies lower (0.71 to 0.79) and is printed
-beside: a bound by the worst quad alone does not know what its better neighbours take over.
+distorted on purpose (scaled Jacobians down to 0.6), it lies lower (0.71 to 0.79) and is printed for
+information: a bound by the worst quad alone does not know what its better neighbours take over.
 """
 
 from collections.abc import Callable

@@ -2,14 +2,14 @@
 
 A strip of ten quads (10 x 1 x 0.5 mm), clamped at one end, gets the velocity of its first mode and
 swings by half its length, 600 times and more, without damping, at the driver's own step. Read:
-drift of the ledger's imbalance, between the means of the first and the last tenth of the run and of
-any hundredth, over the largest energy.
+drift of the energies' imbalance, between the means of the first and the last tenth of the run and
+of any hundredth, over the largest energy.
 
-Reference: none is lost. Band: 1e-4, the promise.
+Reference: none is lost. Tolerance: 1e-4, the aim.
 
-Beside: a clamped disc (R = 10.2, h = 0.074 mm) of 60 quads under a pressure step, 300,000 steps.
-Its 2 mm swing breaks up into waves as short as the mesh within some ten thousand steps, whose
-energy the ledger sees with an error that depends on omega dt: the mean imbalance moves by some
+For information: a clamped disc (R = 10.2, h = 0.074 mm) of 60 quads under a pressure step, 300,000
+steps. Its 2 mm swing breaks up into waves as short as the mesh within some ten thousand steps,
+whose energy is computed with an error that depends on omega dt: the mean imbalance moves by some
 hundredths of the peak, and stays there (so over 1e6 steps too). With the step it falls: 0.03 at the
 driver's own, 0.004 at 0.46 and 0.0008 at 0.23 of it after an equal time.
 """
@@ -87,12 +87,12 @@ def drift_rows(name: str, history: np.ndarray, *, gate: bool) -> list[Check]:
         ("largest drift, hundredths", float(np.abs(means - first).max())),
     )
     rows = [
-        Check(f"{what} / peak, {name}", 0.0, value, 1e-4, "promise", gate, absolute=True)
+        Check(f"{what} / peak, {name}", 0.0, value, 1e-4, "aim", gate, absolute=True)
         for what, value in numbers
     ]
     start, end = (float(np.abs(part).max()) for part in (height[:tenth], height[-tenth:]))
     what = f"largest height at the end, {name}, mm"
-    return [*rows, Check(what, start, end, 0.01, "swing goes on", gate)]
+    return [*rows, Check(what, start, end, 0.01, "the oscillation continues", gate)]
 
 
 def checks() -> list[Check]:

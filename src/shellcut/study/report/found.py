@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 
 from shellcut.card import image
+from shellcut.files.distribution import pip_install
 from shellcut.files.file_list import target
 from shellcut.files.regular_file import read_regular
 from shellcut.report.markup import link_to, missing
@@ -30,7 +31,7 @@ def report_found(file: Path, path: str | os.PathLike[str] | None = None) -> Path
             f"{file} is not as shellcut writes it: call fit or optimise again"
         ) from None
     picture, runs = file.with_suffix(".png"), escape(link_to(folder / RUNS, out))
-    curves = missing("Not drawn: pictures need Matplotlib (pip install shellcut[plot]).")
+    curves = missing(f"Not drawn: pictures need Matplotlib ({pip_install('plot')}).")
     if picture.is_file():
         curves = f"<figure>{image(picture.read_bytes(), 'Curves of the runs')}</figure>"
     sections = {

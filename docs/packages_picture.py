@@ -1,13 +1,13 @@
-"""The picture of the rooms in ``architecture.md``, made from the import contract.
+"""The picture of the packages in ``architecture.md``, made from the import contract.
 
-``python docs/rooms_picture.py`` writes ``img/rooms.svg``; a test compares the two.
+``python docs/packages_picture.py`` writes ``img/packages.svg``; a test compares the two.
 """
 
 import re
 from pathlib import Path
 
 DOCS = Path(__file__).parent
-PICTURE = DOCS / "img" / "rooms.svg"
+PICTURE = DOCS / "img" / "packages.svg"
 CARD = ("mitc4", "cables", "contact", "loads", "central_difference")
 """The row of the method itself, drawn in colour."""
 
@@ -23,7 +23,7 @@ NOTES = {
     "numerics": "kernels, file formats, a picture of a run, cards",
     "arguments": "leaves: kinds of arguments, arrays, units, whole files",
 }
-"""Subject of each row, by its first room."""
+"""Subject of each row, by its first package."""
 
 WIDTH, ROW, GAP, LEFT = 860, 40, 12, 16
 NOTE = 365
@@ -31,7 +31,7 @@ NOTE = 365
 
 
 def rows():
-    """Return the rows of the contract, from the top, each a list of rooms."""
+    """Return the rows of the contract, from the top, each a list of packages."""
     text = (DOCS.parent / "pyproject.toml").read_text(encoding="utf-8")
     layers = re.search(r"\nlayers = \[\n(.*?)\n\]", text, re.S)[1]
     return [re.findall(r"\w+", row) for row in re.findall(r'"(.+?)"', layers)]
@@ -39,7 +39,7 @@ def rows():
 
 def table():
     """Return the same rows as a table in Markdown."""
-    lines = [" ".join(f"`{room}`" for room in row).replace("` `", "`, `") for row in rows()]
+    lines = [" ".join(f"`{package}`" for package in row).replace("` `", "`, `") for row in rows()]
     return "| row |\n|---|\n" + "".join(f"| {line} |\n" for line in lines)
 
 
@@ -60,11 +60,11 @@ def picture():
 def _row(row, y):
     card = row[0] == CARD[0]
     fill, line = ("#fde9d3", "#c65d00") if card else ("#e8eef5", "#3d5a80")
-    weights = [len(room) + 4 for room in row]
-    room_width = WIDTH - NOTE - 2 * LEFT - 8 * (len(row) - 1)
+    weights = [len(package) + 4 for package in row]
+    boxes_width = WIDTH - NOTE - 2 * LEFT - 8 * (len(row) - 1)
     x, middle = float(LEFT), y + ROW / 2 + 4.5
-    for room, weight in zip(row, weights, strict=True):
-        width = room_width * weight / sum(weights)
+    for package, weight in zip(row, weights, strict=True):
+        width = boxes_width * weight / sum(weights)
         yield (
             f'<rect x="{x:.1f}" y="{y}" width="{width:.1f}" height="{ROW}" rx="5" '
             f'fill="{fill}" stroke="{line}"/>'
@@ -72,7 +72,7 @@ def _row(row, y):
         size = ' font-size="11.5"' if len(row) > 4 else ""
         yield (
             f'<text x="{x + width / 2:.1f}" y="{middle:.1f}" text-anchor="middle" '
-            f'fill="#1b1b1b"{size}>{room}</text>'
+            f'fill="#1b1b1b"{size}>{package}</text>'
         )
         x += width + 8
     yield f'<text x="{WIDTH - NOTE}" y="{middle:.1f}" fill="#555555">{NOTES[row[0]]}</text>'
