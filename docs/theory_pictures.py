@@ -376,6 +376,56 @@ def _polar(centre, radius, angle):
     return centre[0] + radius * cos(radians(angle)), centre[1] - radius * sin(radians(angle))
 
 
+def adhesion():
+    """Draw a film that peels from its base, and the law of the glue by the library itself."""
+    from shellcut.loads.adhesion import Adhesion
+    from shellcut.material.shell_material import ShellMaterial
+
+    # The film: flat ahead of the front, then a quarter circle of the radius R_0, then straight up.
+    front, ground, radius = (190, 230), 230, 62
+    curve = [
+        (front[0] - radius * sin(radians(a)), ground - 6 - radius * (1 - cos(radians(a))))
+        for a in range(0, 91, 3)
+    ]
+    film = [(290, ground - 6), *curve, (curve[-1][0], 76)]
+    centre = front[0], ground - 6 - radius
+    parts = [
+        polygon([(20, ground), (290, ground), (290, 262), (20, 262)], TOOL, "none", 0),
+        line([(20, ground), (290, ground)], INK, 1.5),
+        text(30, 252, "base"),
+        *(line([(x, ground), (x, ground - 5)], RED, 2) for x in range(186, 290, 8)),
+        line(film, "#7ea6d8", 6),
+        arrow((film[-1][0], 74), (film[-1][0], 30)),
+        text(film[-1][0] + 10, 42, "F"),
+        line([centre, curve[15]], GREY, 1, "4 3"),
+        text(centre[0] - 2, centre[1] + 34, "R_0", GREY),
+        text(226, 214, "glue, τ", RED),
+        line([(50, 206), (curve[-1][0], 206)], GREY, 1),
+        text(52, 198, "θ = 90°", GREY),
+    ]
+
+    law = Adhesion("seal", energy=0.05).law(ShellMaterial.homogeneous(), 0.5)
+
+    def at(d, p):
+        return 345 + 150 * d / law.last, 230 - 150 * p / law.strength
+
+    half = 0.5 * (law.first + law.last)
+    soft = law.strength * (law.last - half) / (law.last - law.first)
+    parts += [
+        arrow((345, 230), (516, 230), INK, 1.5),
+        arrow((345, 230), (345, 52), INK, 1.5),
+        polygon([at(0, 0), at(law.first, law.strength), at(law.last, 0)], "#f7dedb", "none", 0),
+        line([at(0, 0), at(law.first, law.strength), at(law.last, 0)], RED, 3),
+        line([at(half, soft), at(0, 0)], GREY, 1.5, "5 4"),
+        text(335, at(0, law.strength)[1] + 5, "s", INK, 15, "end"),
+        text(at(law.last, 0)[0], 250, "d_f", INK, 15, "middle"),
+        text(508, 222, "d", INK, 15, "end"),
+        text(352, 60, "traction"),
+        text(*_by(at(half, 0), -34, -18), "τ", RED),
+    ]
+    return drawing(276, *parts)
+
+
 def scales():
     """Draw the stiffness of a node's contact over the side length, by the library's own law."""
     from shellcut.contact.settings import SOFTEST, STIFFEST, Contact, PenaltyLaw
@@ -586,6 +636,7 @@ PICTURES = {
     "statics": statics,
     "curved-films": curved_films,
     "scales": scales,
+    "adhesion": adhesion,
     "opening": opening,
     "yielding-disc": yielding_disc,
 }

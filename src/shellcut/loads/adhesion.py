@@ -78,7 +78,7 @@ class GlueLaw(NamedTuple):
 
 @checked
 @dataclass(frozen=True)
-class Adhesion(ForceTerm):
+class Adhesion:
     """Film glued to a rigid base where it lies at first; an entry of ``Simulation(terms=...)``.
 
     ValueError is raised for a law that is none: a stiffness so small that the glue would reach its
@@ -161,10 +161,6 @@ class Adhesion(ForceTerm):
         if normal is not None and not normal.any():
             raise ValueError(f"the normal of {self.name} must have a direction, got {self.normal}")
         return GluePoints(self.name, self.law(material, side), mesh, quads, normal, part_of)
-
-    def add_forces(self, state: State, pose: Pose) -> None:
-        """Not called: the simulation takes what :meth:`for_film` returns."""
-        raise TypeError("give Adhesion to Simulation(terms=...)")
 
 
 def _ids(glue: Adhesion, mesh: Mesh) -> Ints:

@@ -8,6 +8,7 @@ from typing import TypedDict
 from shellcut.arrays import Floats
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import Fracture
+from shellcut.loads.adhesion import Adhesion
 from shellcut.loads.loads import Load
 from shellcut.loads.supports import Support
 from shellcut.simulation.stable_step import Stepping
@@ -26,7 +27,7 @@ class ModelOptions(TypedDict, total=False):
     damping_beta: float | None
     damping_share: float | None
     velocity: Floats | None
-    terms: Sequence[ForceTerm]
+    terms: Sequence[ForceTerm | Adhesion]
     quasi_static: float | None
     imperfection: int | None
     threads: int | None

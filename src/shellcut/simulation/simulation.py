@@ -22,6 +22,7 @@ from shellcut.fracture.cracks import Cracks
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.notch import cut_notch
 from shellcut.fracture.options import Fracture
+from shellcut.loads.adhesion import Adhesion
 from shellcut.loads.film_motion import FilmMotion, in_film
 from shellcut.loads.loads import Load, LoadSet
 from shellcut.loads.supports import Support, SupportSet
@@ -78,8 +79,8 @@ class Simulation:
         See their annotations; damping by [Frangi2010] 5.2, :mod:`.pace`, :mod:`.imperfection`.
     velocity : array_like, shape (n_node, 3), optional
         Initial velocity [mm/s]; the directors turn with the film.
-    terms : sequence of ForceTerm
-        Forces of your own, evaluated after all others.
+    terms : sequence of ForceTerm or Adhesion
+        Glue, and forces of your own, evaluated after all others.
 
     Raises
     ------
@@ -126,7 +127,7 @@ class Simulation:
             float | None, Option("", _OF_CRITICAL, least=0, unset=f"{DAMPING_SHARE:g}")
         ] = None,
         velocity: Floats | None = None,
-        terms: Sequence[ForceTerm] = (),
+        terms: Sequence[ForceTerm | Adhesion] = (),
         quasi_static: KineticShare = None,
         imperfection: ImperfectionNumber = None,
         threads: Threads = None,
@@ -181,7 +182,9 @@ class Simulation:
         self.pace = Pace(quasi_static)
         self._begin(imperfection)
 
-    def _add_terms(self, contact: Contact, directional: bool, others: Sequence[ForceTerm]) -> None:
+    def _add_terms(
+        self, contact: Contact, directional: bool, others: Sequence[ForceTerm | Adhesion]
+    ) -> None:
         """Build all that pulls and presses on the film, in the order of evaluation."""
         tool, film, part_of = self.tool, (self.mesh, self.material), polygons_of(self)
         self.cables = CableSet(self.law or CohesiveLaw(), tool, directional=directional)
