@@ -308,7 +308,7 @@ class Recorder:
             self._checkpoint_failed = False
         except OSError as problem:
             if not self._checkpoint_failed:  # once, not every minute
-                _log.warning("no checkpoint could be written, the run goes on: %s", problem)
+                _log.warning("no checkpoint could be written, the run continues: %s", problem)
             self._checkpoint_failed = True
         self._saved = time.perf_counter()
 

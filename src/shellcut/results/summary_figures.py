@@ -120,35 +120,6 @@ def key_figures(
     ]
 
 
-def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
-    """Return what a run found, and whether a check speaks against it, in one sentence.
-
-    Examples
-    --------
-    >>> conclusion({"force_peak_N": 3.2, "crack_length_mm": 4.0}, n_doubt=1)
-    'A crack of 4 mm takes a force of 3.2 N at most; 1 check speaks against it.'
-    """
-    crack, takes = summary.get("crack_length_mm", 0.0), []
-    for key in summary:
-        name, _, which = key.rpartition("_")[0].partition("_")
-        if name in ("torque", "force") and which in ("plateau", "peak"):
-            over = f"on average over {window_of(summary)}"
-            mean = over if which == "plateau" else "at most"
-            takes.append((which, f"{said_of(key, summary)} {mean}", name))
-    if not takes:
-        return ""
-    what = f"A crack of {with_unit('crack_mm', crack)}" if crack else "Moving the film"
-    trust = "no check failed"
-    if n_doubt:
-        trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
-        trust += " against it"
-    if doubtful := distrusted_figures(summary):
-        names = dict.fromkeys(label_of(n).partition(",")[0] for n in doubtful)
-        trust += f"; distrust the {', '.join(names)}"
-    amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
-    return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
-
-
 def window_of(summary: Mapping[str, Any]) -> str:
     """Return the steady window of a summary as text; "" without one."""
     for unit in ("deg", "mm"):
