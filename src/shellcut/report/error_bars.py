@@ -1,4 +1,4 @@
-"""Section of the error bars: the table, and each figure over the size of the mesh."""
+"""Section of the error bars: the table, and each value over the size of the mesh."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .markup import legend, sentences, table
 
 
 def error_bars(found: ErrorBars | None) -> str:
-    """Return figures with error bars, their runs, and what is said about them; "" without any."""
+    """Return values with error bars, their runs, and what is said about them; "" without any."""
     if found is None:
         return ""
     head = ("figure", "value", "±", *(f"± {part}" for part in PARTS), "as given")
@@ -46,6 +46,6 @@ def error_bars(found: ErrorBars | None) -> str:
 
 
 _HOW = (
-    "95 % of fine answers lie within ±, which is mesh, speed and chance as a root of squares; each "
-    "point is a run, the bar at 0 is what an infinitely fine mesh would give."
+    "95 % of fine answers lie within ±, the root of the sum of the squares of its parts. Each point "
+    "is a run; the bar at 0 is the value on an infinitely fine mesh."
 )

@@ -113,7 +113,7 @@ def _sections(run: Gathered) -> dict[str, str]:
         "In three dimensions": lambda: pictures.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: _quality(run),
-        "Figures": lambda: _figures(run),
+        "Values": lambda: _figures(run),
         "What was run": lambda: _what_was_run(run),
         "Versions": versions,
     }

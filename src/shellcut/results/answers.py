@@ -1,6 +1,6 @@
 """What a run says to the questions of those who design a cap, a blade or a film.
 
-Each answer comes from ``summary.json``: a mean with its ±, a peak as the one sample that it is, or
+Each answer comes from ``summary.json``: a mean with its ±, a peak as the single sample that it is, or
 the reason why the run does not say. docs/howto/read-results.md lists them.
 """
 
@@ -81,7 +81,7 @@ def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:
 
 
 def _range(summary: Summary, keys: list[str]) -> str:
-    """Return the least and the largest of some figures."""
+    """Return the least and the largest of some values."""
     ascending = sorted(keys, key=lambda key: float(summary[key]))
     low, high = (with_unit(key, summary[key]) for key in (ascending[0], ascending[-1]))
     return low if low == high else f"{low} to {high}"

@@ -1,11 +1,11 @@
-"""Error bars of a model's figures, from companion runs on other meshes, slower, and by chance.
+"""Error bars of a model's values, from companion runs on other meshes, slower, and by chance.
 
 docs/howto/converge.md says how a band is made, docs/error-bars.md how often it covers the fine
 answer [Roache1994]. Without a finer mesh a coarser one takes its place, of the ratio q > 1: the
 value is that of f, mesh = abs(f_q - f) / (q - 1). A crack advances by whole edges, so its length is
 known to an edge of the finest mesh at best.
 
-The order with which a figure converges is that of f + a h^p through three meshes.
+The order with which a value converges is that of f + a h^p through three meshes.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _ORDERS = (0.3, 6.0)
 
 @dataclass(frozen=True)
 class ErrorBar:
-    """A figure with its error bar.
+    """A value with its error bar.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class ErrorBar:
 
     @property
     def name(self) -> str:
-        """Label of the figure."""
+        """Label of the value."""
         return label_of(self.figure)
 
     @property
@@ -106,14 +106,14 @@ class Run:
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """The figures of a model with their error bars.
+    """The values of a model with their error bars.
 
     Examples
     --------
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
     >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
-    figure                                              value        ±      mesh     speed    chance
+    value                                              value        ±      mesh     speed    chance
     force, peak [N]                                      3.10     0.10       0.1         -         -
     force, peak: the order needs three meshes; most of ± is mesh: edges half as long would leave \
 ± 0.05 N
@@ -145,7 +145,7 @@ class ErrorBars:
         return [*(f"{v:.{max(0, digits)}f}" for v in (value, half)), *texts]
 
     def said(self) -> list[str]:
-        """Return how each figure converges and how its bar shrinks, and which part is missing."""
+        """Return how each value converges and how its bar shrinks, and which part is missing."""
         missing = (f"{part}: {'; '.join(why)}" for part, why in self.missing.items())
         return [*(self._said_of(bar) for bar in self.bars), *missing]
 
@@ -173,7 +173,7 @@ class ErrorBars:
         write_text(path, json.dumps(asdict(self), indent=1) + "\n")
 
     def diagram(self, bar: ErrorBar) -> Diagram:
-        """Return a figure over the size of the mesh, and its error bar at none."""
+        """Return a value over the size of the mesh, and its error bar at none."""
         x: list[float] = []
         at: list[float] = []
         for k in (-1.0, 0.0, 1.0):  # a line up with a cap at both ends and in the middle
@@ -208,7 +208,7 @@ def error_bar(
     edge: float = 0.0,
     own: float | None = None,
 ) -> ErrorBar:
-    """Return a figure with its error bar from the companion runs, the model as given first.
+    """Return a value with its error bar from the companion runs, the model as given first.
 
     The first of its values must be there, others may be None; ``edge`` is the length of the edges
     of the model as given [mm], ``own`` the half-width that its mean has by itself. Runs that differ

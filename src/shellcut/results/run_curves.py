@@ -28,7 +28,7 @@ def resistance_diagram(
 ) -> Diagram:
     """Return torque or force over the coordinate: in total, in parts and of each tooth.
 
-    With the figures of the run its mean over the steady window is drawn, if there is one.
+    With the values of the run its mean over the steady window is drawn, if there is one.
     """
     _, x, name, *_ = history
     teeth = [column for column in history if column.startswith(f"{name}_tooth_")]
@@ -58,8 +58,8 @@ def resistance_diagram(
 def energy_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
     """Return what the work put in has become.
 
-    The energies are stacked, so that their upper rim meets the line of the work if the ledger
-    closes. If one of them is clearly negative they are lines instead.
+    The energies are stacked, so that their upper border meets the line of the work if the
+    energies balance. If one of them is clearly negative they are lines instead.
     """
     x = list(history)[1]
     shares = energy_shares(history)

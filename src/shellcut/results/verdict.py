@@ -125,7 +125,7 @@ _REMEDIES: dict[str, tuple[str, Callable[[Figures], bool]]] = {
     "smaller step": ("a smaller time.safety", lambda o: not o["fixed_step"]),
     "smaller fixed step": ("a smaller time.fixed", lambda o: o["fixed_step"]),
 }
-"""Words of each remedy, and whether a run with these figures and options could still take it."""
+"""Words of each remedy, and whether a run with these values and options could still take it."""
 _SLOWER = "slower", "smaller share"
 """Of which one is left."""
 _SMALLER_STEP = "smaller step", "smaller fixed step"

@@ -153,7 +153,7 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
     dropped = ""
     if n < len(wanted):
         dropped = (
-            f"all {len(wanted)} frames would take {_size(whole)}, there is room for {_size(room)}"
+            f"all {len(wanted)} frames would need {_size(whole)}, the limit is {_size(room)}"
         )
     return Scene(html, numbers, dropped)
 
@@ -204,5 +204,5 @@ def _size(n_byte: float) -> str:
 
 
 def part(room: str, name: str) -> str:
-    """Return the text of a file beside the modules of a room."""
+    """Return the text of a file beside the modules of a package."""
     return (importlib.resources.files(room) / name).read_text(encoding="utf-8")

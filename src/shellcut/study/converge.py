@@ -64,11 +64,11 @@ def converge(
     executor: AnyExecutor = None,
     say: Say = None,
 ) -> ErrorBars:
-    """Run a model with its companions, and return its figures with error bars.
+    """Run a model with its companions, and return its values with error bars.
 
     The companions have a coarser and a finer mesh, nodes elsewhere under the path, half the speed,
     and two other small shapes of the film: together they take ten times the time of the model. They
-    are a study in ``out``: what is done is found again, what was interrupted goes on.
+    are a study in ``out``: what is done is found again, what was interrupted continues.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def converge(
     RuntimeError
         If the run as given fails.
     ValueError
-        If it has not the figures.
+        If it has not the values.
 
     Examples
     --------

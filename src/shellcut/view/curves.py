@@ -84,7 +84,7 @@ class Diagram:
     """Whether the axis of the values reaches 0."""
 
     def shown(self) -> Diagram:
-        """Return it in the units in which figures are shown."""
+        """Return it in the units in which values are shown."""
         (x_unit, along), (unit, up) = shown(self.x_unit), shown(self.unit)
         curves = []
         for c in self.curves:
@@ -112,7 +112,7 @@ def draw_curves(
     columns : int
         Diagrams side by side; those of one column share the coordinate.
     size, dpi
-        Of the figure; the size in inches.
+        Of the picture; the size in inches.
 
     Raises
     ------

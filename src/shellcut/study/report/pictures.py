@@ -1,4 +1,4 @@
-"""Pictures of all runs: curves coloured by a chosen factor, and figures over factors."""
+"""Pictures of all runs: curves coloured by a chosen factor, and values over factors."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
 
 
 def scatter(study: Study) -> str:
-    """Return a row of pictures for each figure."""
+    """Return a row of pictures for each value."""
     parts, most = [], 0
     for figure in study.figures:
         rows = study.done & np.isfinite(figure.values)

@@ -1,4 +1,4 @@
-"""A study as its folder holds it: the factors, and the table of inputs and figures."""
+"""A study as its folder holds it: the factors, and the table of inputs and values."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Studied:
 
 @dataclass(frozen=True)
 class FigureOfRuns:
-    """A figure of interest: NaN in runs that have none."""
+    """A value of interest: NaN in runs that have none."""
 
     key: str
     name: str
@@ -159,7 +159,7 @@ def _figure(name: str, values: Floats) -> FigureOfRuns:
 def of_interest(
     chosen: Sequence[str], there: Mapping[str, object]
 ) -> tuple[list[str], tuple[str, ...]]:
-    """Return the chosen figures that are there, or the usual ones, and those that are not."""
+    """Return the chosen values that are there, or the usual ones, and those that are not."""
     if chosen:
         lacking = tuple(name for name in chosen if name not in there)
         return [name for name in chosen if name in there], lacking
@@ -239,7 +239,7 @@ def _number(text: str, unit: str) -> float | None:
 
 
 def _numbers(cells: Sequence[str]) -> Floats:
-    """Return the figures of a column, NaN where a run has none."""
+    """Return the values of a column, NaN where a run has none."""
     found = np.full(len(cells), np.nan)
     for k, cell in enumerate(cells):
         try:
