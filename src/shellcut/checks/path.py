@@ -233,7 +233,9 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
     came = f"no such row in {100.0 * share:.0f} % of the {len(quads):,} quads under the path"
     if rows.off[worst] > OFF_ROW:
         h = float(sweep.edge_length[worst])
-        came += f", the next one {rows.off[worst] * h:.3g} mm away at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+        came += (
+            f", the next one {rows.off[worst] * h:.3g} mm away at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+        )
     yield doubt(
         "a row of sides of quads must lie under the path of the cutting edges, within "
         f"{OFF_ROW:g} of their length, since cracks follow it: without it the force is too large, "

@@ -164,10 +164,10 @@ class _View:
 def _draw_film(view: _View, mesh: Mesh, held: Ints, worst: Ints) -> None:
     view.lines(mesh.nodes[mesh_edges(mesh.quads)], _FILM_COLOR, 0.4)
     if len(worst):
-        label = f"{len(worst)} quads with the shortest steps"
+        label = f"{len(worst)} quads with the smallest stable step"
         view.faces(mesh.nodes[mesh.quads[worst]], _WORST_COLOR, label=label)
     if len(held):
-        view.dots(mesh.nodes[held], 3.0, _HELD_COLOR, f"{len(held)} held nodes")
+        view.dots(mesh.nodes[held], 3.0, _HELD_COLOR, f"{len(held)} supported nodes")
 
 
 def _draw_tool(view: _View, tool: Tool, points: Floats, sweep: Sweep | None) -> None:
@@ -182,7 +182,7 @@ def _draw_motions(view: _View, parts: ModelParts, sweep: Sweep | None, *, with_t
     """Draw where the edges pass through the film, the notch, supports that move, the tool's way."""
     axes = view.axes
     if sweep is not None and len(sweep.place):
-        view.dots(sweep.place, 1.2, _WAY_COLOR, "path of the edges through the film")
+        view.dots(sweep.place, 1.2, _WAY_COLOR, "path of the cutting edges in the film")
     if len(parts.notch):
         view.lines(parts.notch, _NOTCH_COLOR, 2.0, label="notch")
     extent = 0.0 if parts.mesh is None else float(np.ptp(parts.mesh.nodes, axis=0).max())
@@ -193,7 +193,7 @@ def _draw_motions(view: _View, parts: ModelParts, sweep: Sweep | None, *, with_t
         axes.plot([], [], color=_PULL_COLOR, marker=">", label=label)
     track = view.flat(_track(parts))
     if with_track and len(track):
-        label = "way of an end of the tool's edge"
+        label = "path of one end of a cutting edge"
         axes.plot(*track.T, color=_TRACK_COLOR, lw=1.2, zorder=4, label=label)
         arrow = {"arrowstyle": "-|>", "color": _TRACK_COLOR}
         axes.annotate("", track[-1], track[-2], arrowprops=arrow, zorder=4)

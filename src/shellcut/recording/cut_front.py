@@ -65,7 +65,7 @@ class CrackEnds(NamedTuple):
 
     @classmethod
     def of(cls, sim: Simulation, rim: Ints) -> CrackEnds:
-        """Return them for the present cracks; rim : nodes on the film's border."""
+        """Return them for the present cracks; ``rim`` : nodes on the film's border."""
         n, f = sim.state.node, sim.state.flank
         tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
         if sim.cracks is not None:

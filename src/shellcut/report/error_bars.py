@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from shellcut.results.error_bars import COLOURS, PARTS, SIZE, ErrorBars
+from shellcut.results.error_bars import COLOURS, PARTS, SIZE, WORDS, ErrorBars
 from shellcut.results.summary_figures import with_unit
 from shellcut.unit import in_unit
 from shellcut.view.curves import PALETTE
@@ -19,7 +19,7 @@ def error_bars(found: ErrorBars | None) -> str:
     """Return values with error bars, their runs, and what is said about them; "" without any."""
     if found is None:
         return ""
-    head = ("figure", "value", "±", *(f"± {part}" for part in PARTS), "as given")
+    head = ("result", "value", "±", *(f"± {WORDS[part]}" for part in PARTS), "as given")
     rows, pictures = [], []
     for bar in found.bars:
         had = [(run, v) for run, v in zip(found.runs, bar.values, strict=True) if v is not None]
@@ -35,7 +35,7 @@ def error_bars(found: ErrorBars | None) -> str:
                 lines=[(np.asarray(band.x, float), np.asarray(band.values, float), band.style)],
             )
         )
-    named = [(part or "as given", PALETTE[colour]) for part, colour in COLOURS.items()]
+    named = [(WORDS[part], PALETTE[colour]) for part, colour in COLOURS.items()]
     return (
         table(rows, head)
         + legend(named)

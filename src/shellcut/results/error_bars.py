@@ -1,9 +1,9 @@
-"""Error bars of a model's values, from companion runs on other meshes, slower, and by chance.
+"""Error bars of a model's values, from companion runs: other meshes, slower, run-to-run scatter.
 
 docs/howto/converge.md says how a band is made, docs/error-bars.md how often it covers the fine
 answer [Roache1994]. Without a finer mesh a coarser one takes its place, of the ratio q > 1: the
-value is that of f, mesh = abs(f_q - f) / (q - 1). A crack advances by whole edges, so its length is
-known to an edge of the finest mesh at best.
+value is that of f, mesh = abs(f_q - f) / (q - 1). A crack advances by whole sides of quads, so its
+length is known to a side of the finest mesh at best.
 
 The order with which a value converges is that of f + a h^p through three meshes.
 """
@@ -33,7 +33,9 @@ CONVERGED = "converge"
 
 GIVEN, MESH, SPEED, CHANCE = "", "mesh", "speed", "chance"
 PARTS = (MESH, SPEED, CHANCE)
-SIZE = "edges over those of the model"
+WORDS = {GIVEN: "as given", MESH: "mesh", SPEED: "speed", CHANCE: "scatter"}
+"""Of each part, as shown; the file has the names."""
+SIZE = "element side / element side of the model"
 
 COLOURS = {MESH: 0, SPEED: 4, CHANCE: 2, GIVEN: 6}
 """Of the points of each part, in the palette."""
@@ -42,7 +44,7 @@ _CAP = 0.03
 _LEVEL = 0.95
 _FEWEST = 3  # meshes that show an order
 _HALVED = {
-    MESH: "edges half as long",
+    MESH: "sides half as long",
     SPEED: "half the speed",
     CHANCE: "the mean of four times as many runs",
 }
@@ -71,7 +73,7 @@ class ErrorBar:
     half_width: float
     """95 % of fine answers lie within it."""
     parts: Mapping[str, float]
-    """Half-widths of mesh, speed and chance, as far as there are runs for them."""
+    """Half-widths of mesh, speed and scatter, as far as there are runs for them."""
     order: float | None
     """With which it converges over three meshes."""
     values: tuple[float | None, ...]
@@ -97,7 +99,7 @@ class ErrorBar:
 
 @dataclass(frozen=True)
 class Run:
-    """A companion run: its name, the part of the error bar it is for, edges over the model's."""
+    """A companion run: its name, the part of the error bar it is for, sides of quads over the model's."""
 
     name: str
     part: str
@@ -113,9 +115,9 @@ class ErrorBars:
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
     >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
-    value                                              value        ±      mesh     speed    chance
+    result                                             value        ±      mesh     speed   scatter
     force, peak [N]                                      3.10     0.10       0.1         -         -
-    force, peak: the order needs three meshes; most of ± is mesh: edges half as long would leave \
+    force, peak: the order needs three meshes; most of ± is mesh: sides half as long would leave \
 ± 0.05 N
     """
 
@@ -128,7 +130,7 @@ class ErrorBars:
 
     def __str__(self) -> str:
         """Return the table and what is said about it."""
-        lines = [f"{'figure':<46}{'value':>11}{'±':>9}" + "".join(f"{p:>10}" for p in PARTS)]
+        lines = [f"{'result':<46}{'value':>11}{'±':>9}" + "".join(f"{WORDS[p]:>10}" for p in PARTS)]
         for bar in self.bars:
             value, width, *parts = self.cells(bar)
             head = f"{in_unit(bar.name, bar.shown[0]):<46}{value:>11}{width:>9}"
@@ -146,7 +148,7 @@ class ErrorBars:
 
     def said(self) -> list[str]:
         """Return how each value converges and how its bar shrinks, and which part is missing."""
-        missing = (f"{part}: {'; '.join(why)}" for part, why in self.missing.items())
+        missing = (f"{WORDS.get(p, p)}: {'; '.join(why)}" for p, why in self.missing.items())
         return [*(self._said_of(bar) for bar in self.bars), *missing]
 
     def _said_of(self, bar: ErrorBar) -> str:
@@ -162,7 +164,9 @@ class ErrorBars:
         less = {**bar.parts, most: 0.5 * bar.parts[most]}
         unit, factor = bar.shown
         left = f"{factor * math.hypot(*less.values()):.2g} {unit}".rstrip()
-        said = f"{bar.name}: {order}; most of ± is {most}: {_HALVED[most]} would leave ± {left}"
+        said = (
+            f"{bar.name}: {order}; most of ± is {WORDS[most]}: {_HALVED[most]} would leave ± {left}"
+        )
         if bar.own is None:
             return said
         own = f"{factor * bar.own:.2g} {unit}".rstrip()
@@ -185,7 +189,7 @@ class ErrorBars:
             points = [(r.size, v) for r, v in each if r.part == part and v is not None]
             if points:
                 sizes, values = zip(*points, strict=True)
-                curves.append(Curve(part or "as given", values, f"p{colour}", x=sizes))
+                curves.append(Curve(WORDS[part], values, f"p{colour}", x=sizes))
         short = bar.name.partition(",")[0]
         return Diagram([0.0], curves, SIZE, "", short, bar.unit, bar.name, zero=False)
 
@@ -210,9 +214,9 @@ def error_bar(
 ) -> ErrorBar:
     """Return a value with its error bar from the companion runs, the model as given first.
 
-    The first of its values must be there, others may be None; ``edge`` is the length of the edges
+    The first of its values must be there, others may be None; ``edge`` is the side of the quads
     of the model as given [mm], ``own`` the half-width that its mean has by itself. Runs that differ
-    by chance differ by that, too: it takes their place where there are none, and is never added.
+    by scatter only contain it: it takes their place where there are none, and is never added.
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
     meshes = sorted((r.size, v) for r, v in others if r.part == MESH)

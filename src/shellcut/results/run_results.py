@@ -44,7 +44,7 @@ _IN_CARD = "_plateau_|_peak_[A-Z]|^crack_length|_end_|^tool_work|^n_loose"
 
 
 class FrameFigures(dict[str, Floats]):
-    """Figures over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
+    """Values over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
 
     def __init__(self, columns: dict[str, Floats], units: dict[str, str]) -> None:
         super().__init__(columns)

@@ -220,7 +220,9 @@ def _stopped(figures: Figures) -> Iterator[Line]:
             "the message at its end gives the reason.",
         )
     else:
-        yield Line("note", f"The run was stopped at {at}: these lines are about its results so far.")
+        yield Line(
+            "note", f"The run was stopped at {at}: these lines are about its results so far."
+        )
     if _not_come_far(figures):
         yield Line(
             "note", "No cable had broken by then, so kinetic energy and damping are not judged."

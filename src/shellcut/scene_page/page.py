@@ -152,9 +152,7 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
         raise ValueError(f"{n} frames must fit into {_size(room)}, they take {_size(len(html))}")
     dropped = ""
     if n < len(wanted):
-        dropped = (
-            f"all {len(wanted)} frames would need {_size(whole)}, the limit is {_size(room)}"
-        )
+        dropped = f"all {len(wanted)} frames would need {_size(whole)}, the limit is {_size(room)}"
     return Scene(html, numbers, dropped)
 
 

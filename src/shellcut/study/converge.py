@@ -74,7 +74,7 @@ def converge(
     ----------
     out : str or path
         Folder for the runs, ``error_bars.json`` and, with Matplotlib, ``error_bars.png``.
-    figures : sequence of str, optional
+    ``figures`` : sequence of str, optional
         Names in ``summary.json``; by default means and peaks of torque or force, crack length and
         work.
     model, settings, executor, say
@@ -95,7 +95,7 @@ def converge(
 
     Examples
     --------
-    >>> found = converge("guillotine", "bars", figures=["force_plateau_N"])  # doctest: +SKIP
+    >>> found = converge("guillotine", "bars")  # doctest: +SKIP
     >>> print(found)  # doctest: +SKIP
     """
     figures = [known_figure(name) for name in figures]

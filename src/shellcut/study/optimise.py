@@ -217,9 +217,9 @@ class Optimum:
         states = np.array([self.state(one) for one in self.trials])
         least = np.minimum.accumulate(np.where(states == "", self.sign * values, np.inf))
         looks = {
-            _DISTRUSTED: ("doubt", _DISTRUSTED),
-            _BEYOND: ("p4", _BEYOND),
-            "": ("p0", "within"),
+            _DISTRUSTED: ("doubt", "doubtful runs"),
+            _BEYOND: ("p4", "runs beyond the limits"),
+            "": ("p0", "runs within the limits" if self.limits else "runs"),
         }
         curves = [
             Curve(name, np.where(states == state, values, np.nan), style)
@@ -229,7 +229,7 @@ class Optimum:
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
         name = label_of(self.figure)
         unit = unit_of(self.figure)
-        return Diagram(n, curves, "run", "", name, unit, zero=False)
+        return Diagram(n, curves, "number of the run", "", name, unit, zero=False, whole=True)
 
 
 def optimise(

@@ -17,7 +17,7 @@ from shellcut.study.factors import Factor, factors_of
 from shellcut.study.plan import RUNS, Definition
 from shellcut.study.study_file import STUDY, read_study
 from shellcut.study.table import TABLE
-from shellcut.unit import shown
+from shellcut.unit import after, shown
 
 _MAIN = (
     ("torque_plateau_Nmm", "force_plateau_N"),
@@ -46,6 +46,12 @@ class Studied:
     """Numbers, shape (n_run,); of a list of names the place in ``names``."""
     texts: tuple[str, ...]
     """The values as they are in the table."""
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The values as they are read: numbers of four digits with their unit."""
+        with_units = tuple(f"{value:.4g}{after(self.unit)}" for value in self.values.tolist())
+        return self.texts if self.names else with_units
 
     @property
     def varies(self) -> bool:
@@ -78,7 +84,7 @@ class Study:
     inputs: tuple[Studied, ...]
     """Every key of the factors."""
     factors: tuple[Studied, ...]
-    """What varies independently: of keys that go together the first stands for all, where its
+    """What varies independently: of keys that change together the first represents all, where its
     numbers tell the runs apart, else the values as names."""
     figures: tuple[FigureOfRuns, ...]
     """Those of interest."""
@@ -218,10 +224,10 @@ def _factors(planned: Sequence[Factor], inputs: Sequence[Studied]) -> tuple[Stud
 
 
 def _as_one(inputs: Sequence[Studied]) -> Studied:
-    """Return keys that go together as one factor."""
+    """Return keys that change together as one factor."""
     first = inputs[0]
-    key, name = ", ".join(one.key for one in inputs), " with ".join(one.name for one in inputs)
-    texts = tuple(" with ".join(each) for each in zip(*(one.texts for one in inputs), strict=True))
+    key, name = ", ".join(one.key for one in inputs), " and ".join(one.name for one in inputs)
+    texts = tuple(", ".join(each) for each in zip(*(one.shown for one in inputs), strict=True))
     names = tuple(dict.fromkeys(texts))
     if not first.names and len(np.unique(first.values)) == len(names):
         return replace(first, key=key, name=name)
