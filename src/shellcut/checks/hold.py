@@ -1,4 +1,4 @@
-"""Checks of supports: no piece of the film is free to move away, no blade meets a film that is fixed.
+"""Checks of supports: no piece of the film is free to move away, no blade meets fixed film.
 
 A rigid motion has six parameters, a velocity a and an angular velocity w: a node at x moves with
 v = a + w × (x - c), its director with the part of w normal to it, because a director has no
@@ -40,11 +40,11 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
         came = (
             f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, which has no support"
             if held == 0
-            else f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, whose {held:,} supported nodes leave "
-            f"it free to move {', '.join(free)}"
+            else f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, whose {held:,} supported nodes "
+            f"leave it free to move {', '.join(free)}"
         )
         yield doubt(
-            "every piece of the film must be supported, or the tool pushes it away instead of cutting",
+            "every piece of the film must be supported, or the tool pushes it away without cutting",
             came,
             "clamp some of its nodes ([membrane] clamp, [[supports]], or Support in Python)",
         )

@@ -255,8 +255,8 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
     if len(held):
         x, y, z = mesh.nodes[held[0]] + 0.0
         yield doubt(
-            "no supported node may lie on the path of the cutting edges: such nodes never split, so "
-            "the blade runs against them",
+            "no supported node may lie on the path of the cutting edges: such nodes never split, "
+            "so the blade runs against them",
             f"{counted(len(held), 'supported node')} on it, the first at ({x:.4g}, {y:.4g}, "
             f"{z:.4g}) mm",
             "support other nodes, or move the tool",

@@ -29,7 +29,7 @@ SHEAR_SOFT = 0.2
 """Largest tension at the strength over the section's transverse shear stiffness: 0.03 of one layer
 at a strain of 1 %, 0.16 of PET on five times as much PE, 0.5 of foil, PE and foil."""
 TIGHT = 0.3
-"""Largest tension before the tool touches the film, over that at the strength: takes 5 % off F_p."""
+"""Largest tension before the tool is at the film, over that at the strength; lowers F_p by 5 %."""
 
 FARTHEST_STRAIN = 0.1
 """Largest strain at the strength of a film that yields: slopes are sqrt(2 strain), 0.45 there."""

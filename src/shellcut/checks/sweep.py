@@ -135,8 +135,8 @@ class Sweep:
     def distance(self, points: Floats) -> Floats:
         """Return the distance of points of the reference film from the path, shape (n,), [mm].
 
-        The path is straight between two sampled times, and continues beyond its ends. Infinite if no
-        edge passes through the film.
+        The path is straight between two sampled times, and continues beyond its ends. Infinite if
+        no edge passes through the film.
         """
         return np.asarray(self._path.tree.query(points)[0])
 

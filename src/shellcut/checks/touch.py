@@ -29,7 +29,8 @@ _TIMES = 60  # of the motion; a step of it is also as near as can be told
 def check_touch(sim: Simulation, until: float, remedy: str = "") -> Iterator[Finding]:
     """Yield a doubt if the tool stays away from the film, which nothing else deforms.
 
-    Where the distance is below that of the points, or of a step of the motion, it may touch. A remedy that is known is named; else the distance to the nearest place.
+    Where the distance is below that of the points, or of a step of the motion, it may touch.
+    A remedy that is known is named; else the distance to the nearest place.
     """
     tool, motion = sim.tool, sim.motion_in_film(until)
     if tool is None or motion is None or sim.inputs["loads"] or _changes_shape(sim, until):

@@ -188,11 +188,11 @@ def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
     stepping, allowed = sim.time_step.stepping, sim.time_step.bound(sim.state)
     safe = stepping.safety * allowed
     if stepping.fixed is None:
-        yield f"step   {sim.dt:.4g} s at first: {stepping.safety:g} of the stable step (time.safety)"
+        yield f"step   {sim.dt:.4g} s at first, {stepping.safety:g} (time.safety) of the stable"
     else:
         times = f"{stepping.fixed / allowed:.2g} times the stable one; without it {safe:.4g} s"
         yield f"step   {sim.dt:.4g} s, because time.fixed is given: {times}"
     yield (
-        f"       stable: {allowed:.4g} s with contact and cables, {quality.stable_step:.4g} s for the "
-        f"worst quad alone, {quality.median_step:.4g} s for the median quad"
+        f"       stable: {allowed:.4g} s with contact and cables, {quality.stable_step:.4g} s for "
+        f"the worst quad alone, {quality.median_step:.4g} s for the median quad"
     )

@@ -34,12 +34,13 @@ class RunLog:
         self._warned: set[str] = set()  # a file may be read twice
         self.ended: Path | None = None
         """Folder of a run whose end is still to be said."""
-        self._folder: Path | None = None
+        self.folder: Path | None = None
+        """Of the file."""
         self._file: TextIO | None = None
 
     def open(self, path: Path) -> None:
         """Append to a file from now on, starting with the lines kept so far."""
-        self._file, self._folder = log_file(path), path.parent
+        self._file, self.folder = log_file(path), path.parent
         for line in self._kept:
             self.keep(line)
 
@@ -120,7 +121,7 @@ class _Said(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.name == VERDICT.name:
-            self._log.ended = self._log._folder
+            self._log.ended = self._log.folder
         elif record.levelno >= logging.WARNING:
             self._log.warn(record.getMessage())
 

@@ -39,8 +39,10 @@ def start_lines(
         yield edge_line(sweep)
     yield crack_line(sim)
     r = resistance
-    end = with_unit(r.coordinate(until), r.coordinate_unit)
-    yield f"motion to {r.coordinate_name} {end} in {1e3 * until:.4g} ms; output: {r.meaning}"
+    yield (
+        f"motion to {r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)} in "
+        f"{1e3 * until:.4g} ms; output: {r.meaning}"
+    )
     yield (
         f"time   {how_long(sim, until)}: about {round(until / sim.dt, -2):,.0f} steps, the first "
         f"of {sim.dt:.4g} s"

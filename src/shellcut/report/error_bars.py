@@ -46,6 +46,6 @@ def error_bars(found: ErrorBars | None) -> str:
 
 
 _HOW = (
-    "95 % of fine answers lie within ±, the root of the sum of the squares of its parts. Each point "
-    "is a run; the bar at 0 is the value on an infinitely fine mesh."
+    "95 % of fine answers lie within ±, the root of the sum of the squares of its parts. Each "
+    "point is a run; the bar at 0 is the value on an infinitely fine mesh."
 )

@@ -1,7 +1,7 @@
 """What a run says to the questions of those who design a cap, a blade or a film.
 
-Each answer comes from ``summary.json``: a mean with its ±, a peak as the single sample that it is, or
-the reason why the run does not say. docs/howto/read-results.md lists them.
+Each answer comes from ``summary.json``: a mean with its ±, a peak as the single sample that it is,
+or the reason why the run does not say. docs/howto/read-results.md lists them.
 """
 
 from __future__ import annotations

@@ -31,31 +31,30 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
     'Moving the film took a force of at most 3.2 N, at 4 mm; there is 1 doubt.'
     """
     name = "torque" if "torque_peak_Nmm" in summary else "force"
-    said = levels(summary, name)
-    if not said:
+    if not (said := levels(summary, name)):
         return ""
     cut, tool = summary.get("crack_length_mm", 0.0) > 0.0, is_of_a_tool(summary)
-    film = "pulling the film apart" if cut else "moving the film"
-    who = film if not tool else "the cut" if cut else "moving the tool"
+    who = ("moving the film", "pulling the film apart", "moving the tool", "the cut")[
+        2 * tool + cut
+    ]
     if (share := summary.get("share_done", 1.0)) < 1.0:
         why = "failed" if summary.get("broke_off") else "was stopped"
         who = f"up to {100.0 * share:.3g} % of its time, where the run {why}, {who}"
-    took = f"{who[0].upper()}{who[1:]} took a {name} of {said[0]}"
-    if reason := summary.get("no_window"):
-        took += f", but no steady value exists: {reason}"
+    why = summary.get("no_window", "")
+    but = f", but no steady value exists: {why}" if why else ""
     trust = [f"there {'is' if n_doubt == 1 else 'are'} {counted(n_doubt, 'doubt')}"] * (n_doubt > 0)
     if doubtful := distrusted_figures(summary):
         names = dict.fromkeys(label_of(n).partition(",")[0] for n in doubtful)
         trust.append(f"one value is doubtful: the {', '.join(names)}")
-    return f"{took}; {' and '.join(trust) or 'no check failed'}."
+    end = " and ".join(trust) or "no check failed"
+    return f"{who[0].upper()}{who[1:]} took a {name} of {said[0]}{but}; {end}."
 
 
 def ending(summary: Mapping[str, Any], *, verbose: bool) -> Iterator[str]:
     """Yield the lines at the end of a run; the checks that passed are one line unless verbose."""
     lines = [Line(**line) for line in summary.get("verdict", ())]
-    doubts = [line for line in lines if line.kind == "doubt"]
-    passed = [line for line in lines if line.kind == "good"]
-    notes = [line for line in lines if line.kind == "note"]
+    kinds = ([line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note"))
+    doubts, passed, notes = kinds
     first = [line for line in notes if line in single_doubts(summary)]
     folded = first if verbose else first + repeated_notes(summary)
     left = [line for line in notes if line not in folded]

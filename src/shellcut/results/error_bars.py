@@ -99,7 +99,7 @@ class ErrorBar:
 
 @dataclass(frozen=True)
 class Run:
-    """A companion run: its name, the part of the error bar it is for, sides of quads over the model's."""
+    """A companion run: name, part of the error bar, sides of quads over the model's."""
 
     name: str
     part: str

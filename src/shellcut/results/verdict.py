@@ -216,7 +216,7 @@ def _stopped(figures: Figures) -> Iterator[Line]:
     if figures.get("broke_off", False):
         yield Line(
             "doubt",
-            f"The run failed within a step, at {at}: these lines are about the results before that; "
+            f"The run failed within a step, at {at}: these lines are about the results before; "
             "the message at its end gives the reason.",
         )
     else:
@@ -370,8 +370,8 @@ def _stiff_flanks(figures: Figures) -> Iterator[Line]:
             "note",
             "The axial force is doubtful, because it depends on the mesh: the quads along the cut "
             f"have sides of {side:.3g} mm (limit {bent:.3g} mm). On longer sides the film cannot "
-            "fold beside the tool, and its flanks press on the tool (contact.film_edges). The error "
-            "changes during the cut: in the opening test on quick and M1 (sides of 0.82 and "
+            "fold beside the tool, and its flanks press on the tool (contact.film_edges). The "
+            "error changes during the cut: in the opening test on quick and M1 (sides of 0.82 and "
             "0.4 mm) the axial force is between -1.8 and 2.4 N, and the two differ by 0.1 to "
             "1.1 N. If you need this force, compare finer films (shellcut converge).",
         )

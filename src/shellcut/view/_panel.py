@@ -283,7 +283,7 @@ def legend_of(frames: Sequence[Frame]) -> list[Shown]:
 
 
 def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -> None:
-    """Add a legend of what is shown of the frames; ``where`` is passed to Matplotlib's ``legend``."""
+    """Add a legend of what is shown of the frames; ``where``: options of Matplotlib's."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

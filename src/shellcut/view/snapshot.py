@@ -110,8 +110,8 @@ def png_of(frame: Frame, look: Look, shape: tuple[int, int]) -> bytes:
 class SnapshotSeries:
     """Snapshots of a run with one camera, one scale and one legend.
 
-    Left camera and legend cover all frames ``seen``. The picture is created once; each frame changes
-    its pictures, title and circle.
+    Left camera and legend cover all frames ``seen``. The picture is created once; each frame
+    changes its pictures, title and circle.
     """
 
     def __init__(
