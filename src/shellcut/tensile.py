@@ -98,12 +98,13 @@ class TensileTest:
         tests = {"test": self} if across is None else {"along": self, "across": across}
         curves, tables = list[Curve](), list[Curve]()
         for k, (name, one) in enumerate(tests.items()):
-            line, said = np.array([0.0, 1.2 * one.strength / one.young]), f"{one.young:.4g} MPa"
-            curves.append(Curve(name, one.stress, f"law{5 * k}", x=100.0 * one.strain))
-            curves.append(Curve(f"E = {said}", one.young * line, f"c{5 * k}", x=100.0 * line))
+            line = np.array([0.0, 1.2 * one.strength / one.young])
+            said = f"{name}, E = {one.young:.4g} MPa"
+            curves.append(Curve(said, one.stress, f"law{5 * k}", x=100.0 * one.strain))
+            curves.append(Curve(said, one.young * line, f"c{5 * k}", x=100.0 * line))
             if len(one.plastic_strain):
                 x = 100.0 * one.plastic_strain
-                tables.append(Curve(f"hardening, {name}", one.true_stress, f"law{5 * k}", x=x))
+                tables.append(Curve(name, one.true_stress, f"law{5 * k}", x=x))
         diagrams = [
             Diagram([], curves, "strain", "%", "nominal stress", "MPa"),
             Diagram(

@@ -154,7 +154,7 @@ COMMANDS = (
     (
         "9-10",
         "preview tooth.toml --set mesh=quick --set teeth=6 -o tooth.png",
-        *(0, ("612 quads", "6 cutting edges", "72 nodes held"), ("tooth.png",), 30),
+        *(0, ("612 quads", "6 cutting edges", "72 nodes supported"), ("tooth.png",), 30),
     ),
     ("9-10", "run tooth.toml --set tool.teehs=6 -o wrong", 2, ("did you mean teeth?",), (), 10),
     (

@@ -153,10 +153,10 @@ CLAMPED = [*SIDES, shellcut.Support.clamped("left")]
     ("options", "said"),
     [
         (ACROSS, "no such row"),
-        ({"supports": CLAMPED}, "must keep clear of held nodes"),
+        ({"supports": CLAMPED}, "no supported node may lie on the path"),
         ({"supports": CLAMPED}, "the first at (0, 0, 0) mm"),
         ({"notch": 12.0}, "there must be film to cut"),
-        ({"supports": ()}, "which nothing holds"),
+        ({"supports": ()}, "which has no support"),
         (SIDEWAYS, "moves 90° off where it points"),
     ],
 )
@@ -190,7 +190,7 @@ def test_a_second_film_that_nothing_holds_is_told():
     )
     blade = straight_blade(length=12.0, height=5.0).translated((-0.05, 0.0, 0.5))
     said = only(strip_cut(both, tool=blade, path="edges"))
-    assert "the piece of 150 quads about (6, 0, 1) mm, which nothing holds" in said
+    assert "the piece of 150 quads about (6, 0, 1) mm, which has no support" in said
 
 
 def test_a_ring_driven_backwards_is_told():

@@ -34,9 +34,8 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
     if not (said := levels(summary, name)):
         return ""
     cut, tool = summary.get("crack_length_mm", 0.0) > 0.0, is_of_a_tool(summary)
-    who = ("moving the film", "pulling the film apart", "moving the tool", "the cut")[
-        2 * tool + cut
-    ]
+    film = "pulling the film apart" if cut else "moving the film"
+    who = film if not tool else "the cut" if cut else "moving the tool"
     if (share := summary.get("share_done", 1.0)) < 1.0:
         why = "failed" if summary.get("broke_off") else "was stopped"
         who = f"up to {100.0 * share:.3g} % of its time, where the run {why}, {who}"
