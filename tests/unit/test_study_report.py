@@ -133,7 +133,7 @@ class TestWhatIsMissing:
         chosen = 'figures = ["torque_peak_Nmm", "force_peak_N"]'
         folder = made(tmp_path / "s", THREE, n=8, chosen=chosen)
         assert [one.key for one in read_folder(folder).figures] == ["torque_peak_Nmm"]
-        assert "asks for the figure force_peak_N, which no run has" in page_of(folder)
+        assert "asks for the value force_peak_N, which no run has" in page_of(folder)
 
     def test_a_section_that_fails_costs_no_other(self, tmp_path):
         folder = made(tmp_path / "s", THREE, n=4)
