@@ -84,7 +84,7 @@ def import_time(user: User) -> str:
 def main_job(user: User) -> str:
     said = user.first_run.said
     expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
-    # What a user sees: the model, the step, what is compiled, progress; in run.log energies every 5 %.
+    # What a user sees: the model, what is compiled, progress; energies every 5 % in run.log.
     for pattern in (
         r"film +649 nodes, 612 quads with sides of .* 0\.074 mm thick",
         r"time +about .* on a free core: about [\d,]+ steps, the first of \S+ s",

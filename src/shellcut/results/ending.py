@@ -17,8 +17,10 @@ from .energy_account import account
 from .summary_figures import key_figures, label_of
 from .verdict import Line, distrusted_figures, is_of_a_tool, repeated_notes, single_doubts
 
-_COUNTS = ("crack_length_mm", "n_cable_created", "n_cable_jointed", "n_cable_broken")
-_COUNTS += ("imbalance_rel", "kinetic_rel", "n_step", "wall_s")
+_COUNTS = (
+    *("crack_length_mm", "n_cable_created", "n_cable_jointed", "n_cable_broken"),
+    *("imbalance_rel", "kinetic_rel", "n_step", "wall_s"),
+)
 """Values of ``summary.json`` after those of the work."""
 
 

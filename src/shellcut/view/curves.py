@@ -25,8 +25,7 @@ INK = "#1b1f24"
 """Black; pages make it white in the dark."""
 
 # Okabe and Ito: distinguishable for colour-blind readers, calm enough for areas.
-_AREAS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#999999")
-_AREAS += ("#7a5195",)
+_AREAS = ["e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7", "999999", "7a5195"]
 
 # Thin lines below those of the sums, in none of their colours.
 _TEETH = ("#2c9c62", "#8a63c9", "#a58a12", "#9c5a3c", "#159aa0", "#c565ae", "#5f6b78", "#a9b0b8")
@@ -41,7 +40,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "mean": {"color": INK, "width": 1.6},
     **{f"law{k}": {"color": color, "width": 2.4} for k, color in enumerate(PALETTE)},
     **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
-    **{f"a{k}": {"color": color, "width": 1.6} for k, color in enumerate(_AREAS)},
+    **{f"a{k}": {"color": f"#{one}", "width": 1.6} for k, one in enumerate(_AREAS)},
     "doubt": {"color": PALETTE[6], "width": 0.0, "marker": "x"},
     **{f"p{k}": {"color": c, "width": 0.0, "marker": "o"} for k, c in enumerate(PALETTE)},
 }
