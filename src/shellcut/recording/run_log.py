@@ -108,9 +108,8 @@ class RunLog:
 
 def _wrapped(line: str) -> str:
     """Return a line broken to the width of the terminal, below its second column if it has one."""
-    column = re.match(r"\S.{,15}? {2,}|", line)
-    indent = " " * (column.end() if column and column.end() else 4)
-    width = shutil.get_terminal_size().columns
+    head = re.search(r"^\S.{,15}? {2,}", line)
+    width, indent = shutil.get_terminal_size().columns, " " * (head.end() if head else 4)
     return textwrap.fill(line, max(width, 40), subsequent_indent=indent, break_on_hyphens=False)
 
 
