@@ -111,8 +111,8 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
     assert within.best.folder == "c"
     beyond, inside, best = (np.asarray(one.values, float) for one in within.diagram().curves)
     assert [one.name for one in within.diagram().curves] == [
-        "beyond the limits",
-        "within",
+        "runs beyond the limits",
+        "runs within the limits",
         "best so far",
     ]
     np.testing.assert_array_equal(np.isnan(beyond), [False, True, True])

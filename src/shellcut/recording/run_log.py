@@ -109,8 +109,9 @@ class RunLog:
 def _wrapped(line: str) -> str:
     """Return a line broken to the width of the terminal, below its second column if it has one."""
     head = re.search(r"^\S.{,15}? {2,}", line)
-    width, indent = shutil.get_terminal_size().columns, " " * (head.end() if head else 4)
-    return textwrap.fill(line, max(width, 40), subsequent_indent=indent, break_on_hyphens=False)
+    width = max(shutil.get_terminal_size().columns, 40)
+    indent = "".ljust(head.end() if head else 4)
+    return textwrap.fill(line, width, subsequent_indent=indent, break_on_hyphens=False)
 
 
 class _Said(logging.Handler):
