@@ -164,7 +164,7 @@ def test_what_is_refused_touches_nothing_and_can_be_forced_where_that_makes_sens
     before = {path.name: path.stat().st_mtime_ns for path in out.iterdir()}
     command = ["run", "guillotine", *SHORT, "--overwrite"]
     assert main([*command, "-o", str(out), "--set", "thickness=74"]) == 2
-    assert "its theory does not hold, got thickness 74 mm" in capsys.readouterr().err
+    assert "its theory is not valid, got thickness 74 mm" in capsys.readouterr().err
     soft = [*command, "--set", "young=10"]
     assert main([*soft, "-o", str(out)]) == 2
     assert "--force" in capsys.readouterr().err

@@ -158,7 +158,7 @@ def undrawn(monkeypatch, out):
 @pytest.mark.usefixtures("undrawn")
 def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(out, tmp_path):
     summary = json.loads((out / "summary.json").read_text())
-    kept = "keeps mm, N and s"
+    kept = "keep mm, N and s"
     page = report_run(out, tmp_path / "mm.html").read_text(encoding="utf-8")
     lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
     assert f"up to path {summary['path_end_mm']:.4g} mm, " in lead
