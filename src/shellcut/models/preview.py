@@ -27,7 +27,6 @@ __all__ = ["ModelParts", "preview", "preview_parts"]
 _PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
 
 _N_TIME = 60  # at which the fastest moment of a support is searched
-_N_WORST = 3  # quads that the report lists
 
 
 @checked
