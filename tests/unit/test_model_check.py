@@ -133,7 +133,7 @@ def test_a_blade_beside_the_rows_is_told(beside, share):
     blade = straight_blade(length=12.0, height=3.0).translated((-0.05, beside, 0.0))
     said = only(strip_cut(tool=blade, path="edges"))
     assert "no such row in 100 % of the 13 quads" in said
-    assert f"the next one {0.8 * share:.3g} mm off" in said
+    assert f"the next one {0.8 * share:.3g} mm away" in said
     assert 'fracture.path = "free"' in said
     assert found(strip_cut(tool=blade)) == ()  # through the quads
     near = straight_blade(length=12.0, height=3.0).translated((-0.05, 0.07, 0.0))
@@ -384,7 +384,7 @@ def test_a_film_that_is_tight_is_doubted(share, told):
     said = [str(one) for one in shellcut.check_model(sim, case.duration).findings]
     assert bool(said) == told
     if told:
-        assert f"a tip takes {np.sqrt(1.0 - share**2):.2g} of the usual force" in said[0]
+        assert f"a tip then needs {np.sqrt(1.0 - share**2):.2g} of the usual force" in said[0]
 
 
 def test_edges_that_come_in_over_the_rim_pierce_nothing():
