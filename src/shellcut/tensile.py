@@ -90,20 +90,28 @@ class TensileTest:
             ]
         return "\n".join([*lines, ""])
 
-    def plot(self, path: str | os.PathLike[str]) -> Path:
+    def plot(self, path: str | os.PathLike[str], across: TensileTest | None = None) -> Path:
         """Draw the curve, its elastic line and the hardening table; ImportError if no Matplotlib.
 
-        path : of a .png, .svg or .pdf file.
+        path : of a .png, .svg or .pdf file. across : the test in the other direction of the film.
         """
-        line = np.array([0.0, 1.2 * self.strength / self.young])
-        test = Curve("test", self.stress, "c0", x=100.0 * self.strain)
-        elastic = Curve(f"E = {self.young:.4g} MPa", self.young * line, "mean", x=100.0 * line)
-        table = Curve("hardening", self.true_stress, "law2", x=100.0 * self.plastic_strain)
+        tests = {"test": self} if across is None else {"along": self, "across": across}
+        curves, tables = list[Curve](), list[Curve]()
+        for k, (name, one) in enumerate(tests.items()):
+            line = np.array([0.0, 1.2 * one.strength / one.young])
+            said = f"{name}, E = {one.young:.4g} MPa"
+            curves.append(Curve(said, one.stress, f"law{5 * k}", x=100.0 * one.strain))
+            curves.append(Curve(said, one.young * line, f"c{5 * k}", x=100.0 * line))
+            if len(one.plastic_strain):
+                x = 100.0 * one.plastic_strain
+                tables.append(Curve(name, one.true_stress, f"law{5 * k}", x=x))
         diagrams = [
-            Diagram([], [test, elastic], "strain", "%", "nominal stress", "MPa"),
-            Diagram([], [table], "logarithmic plastic strain", "%", "true stress", "MPa"),
+            Diagram([], curves, "strain", "%", "nominal stress", "MPa"),
+            Diagram(
+                [], tables, "logarithmic plastic strain", "%", "true stress", "MPa", "hardening"
+            ),
         ]
-        drawn = diagrams if len(self.plastic_strain) else diagrams[:1]
+        drawn = diagrams if tables else diagrams[:1]
         draw_curves(path, drawn, columns=len(drawn), size=(5.5 * len(drawn), 4.5))
         return Path(path)
 

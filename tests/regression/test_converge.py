@@ -61,7 +61,7 @@ def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
     again = sc.converge(run / "used.toml", out, executor=1, say=str)
     assert {bar.figure for bar in again.bars} > {"force_peak_N", "crack_length_mm"}
     assert main(["converge", str(run), "--jobs=1", "--figures=n_bolt"]) == 2
-    assert "there is no figure" in capsys.readouterr().err
+    assert "there is no value" in capsys.readouterr().err
 
 
 def test_a_film_from_gmsh_gets_its_error_bars(tmp_path):

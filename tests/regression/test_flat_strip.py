@@ -12,6 +12,7 @@ from courses import course, growth
 from films import cut_by
 from page_tables import shown_as, table
 from shellcut.mesh.structured import rectangle
+from shellcut.models.case import PAPER_DAMPING
 from shellcut.models.guillotine import blade_before
 
 SIZE, LENGTH, WIDTH, NOTCH, TRAVEL, SPEED = 0.8, 24.0, 8.0, 2.4, 16.0, 6000.0
@@ -27,6 +28,7 @@ def force_at(z, number):
     lift = np.array([0.0, 0.0, z])
     lifted = sc.Mesh.from_arrays(mesh.nodes + lift, mesh.quads, node_sets=mesh.node_sets)
     along = {"motion": motion, "fracture": sc.Fracture(path="edges"), "imperfection": number}
+    along["damping_beta"] = PAPER_DAMPING  # as the guillotine
     sim = cut_by(blade.translated(tuple(lift)), lifted.cut(notch), SPEED, **along)
     way, work = course(sim, duration, "tool_work")
     # Whole spacings of the nodes.

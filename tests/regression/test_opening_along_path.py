@@ -45,8 +45,11 @@ def test_small_quads_along_the_path_do_what_fine_discs_do(tmp_path):
     found = {film: opening(film, tmp_path) for film in ("M1", "M2", 0.4, 0.2)}
     for name, *computed, _ in found.values():
         shown = [float(numbers_of(cell)[0]) for cell in row(PAGE, f"{name} |")[1:]]
-        # The rows of the history, of which the means are, are not those of the page's runs.
-        bounds = (0.03 * shown[0], 0.1, 0.002, 0.01)
+        # The rows of the history, of which the means are, are not those of the page's runs. Another
+        # Gmsh makes other quads: the page says how much these change.
+        bounds = (0.0, 0.1, 0.002, 0.01)
+        if name.startswith("path"):
+            bounds = (0.03 * shown[0], 0.004 * shown[1], 0.004, 0.05 * shown[3])
         for value, told, bound in zip(computed, shown, bounds, strict=True):
             assert value == pytest.approx(told, abs=bound), name
     _, coarse, torque, _, _, spent = found[0.4]

@@ -118,7 +118,7 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
                 break
         rest = process.stderr.read()  # until the last process has ended
     if how == signal.SIGINT:
-        assert "the runs under way keep their checkpoints" in rest
+        assert "the present runs keep their checkpoints" in rest
         assert process.returncode == 130
     before, lines = done_at(tmp_path), []
     assert before

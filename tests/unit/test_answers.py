@@ -19,8 +19,7 @@ def test_a_mean_has_its_window_and_half_width_and_a_peak_its_place():
     torque = {"torque_plateau_Nmm": 140.7, "torque_plateau_half_width_Nmm": 1.4}
     peak = {"torque_peak_Nmm": 166.8, "torque_peak_at_deg": 36.07}
     assert asked(STEADY | torque | peak) == {
-        "torque to cut": "140.7 ± 1.4 N·mm on average over 27.3-68.9°; at most 166.8 N·mm, "
-        "at 36.07°"
+        "torque to cut": "140.7 ± 1.4 N·mm (mean over 27.3-68.9°); at most 166.8 N·mm, at 36.07°"
     }
     said = asked(peak | {"no_window": "the torque jumps at 40°"})["torque to cut"]
     assert said == "at most 166.8 N·mm, at 36.07°; no mean: the torque jumps at 40°"
@@ -30,7 +29,7 @@ def test_a_mean_has_its_window_and_half_width_and_a_peak_its_place():
 def test_the_force_to_press_is_doubted_where_flanks_cannot_fold(side, doubted):
     axial = {"axial_force_plateau_N": -0.27, "axial_force_peak_N": 4.48}
     mesh = {"path_edge_mm": side, "bending_length_mm": 0.216, "options": {"film_edges": True}}
-    assert ("distrust" in asked(STEADY | axial | mesh)["force to press"]) is doubted
+    assert ("doubtful" in asked(STEADY | axial | mesh)["force to press"]) is doubted
 
 
 def test_piercing_is_told_as_a_range_over_the_cutting_edges():
@@ -45,7 +44,7 @@ def test_piercing_is_told_as_a_range_over_the_cutting_edges():
     }
     assert asked(summary) == {
         "piercing": "3 cutting edges pierced whole film with 0.4 N to 0.49 N each, 0.1 mm to "
-        "0.19 mm deep, the tool's work being 0.08 N·mm to 0.17 N·mm"
+        "0.19 mm deep, after 0.08 N·mm to 0.17 N·mm of work"
     }
 
 

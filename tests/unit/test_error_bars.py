@@ -91,10 +91,10 @@ def test_they_are_read_as_written(found, tmp_path):
 
 def test_the_table_has_two_digits_of_the_half_width(found):
     head, peak, crack, *said = str(found).splitlines()
-    assert head.split() == ["figure", "value", "±", "mesh", "speed", "chance"]
+    assert head.split() == ["result", "value", "±", "mesh", "speed", "scatter"]
     assert peak.split()[-5:] == ["2.85", "0.21", "0.2", "0.05", "0.043"]
     assert crack.split()[-5:] == ["12.00", "0.27", "0.27", "-", "-"]
-    assert said[0].endswith("most of ± is mesh: edges half as long would leave ± 0.12 N")
+    assert said[0].endswith("most of ± is mesh: sides half as long would leave ± 0.12 N")
     assert said[-1] == "speed: slower <b> is not done"
 
 

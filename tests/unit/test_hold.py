@@ -58,7 +58,7 @@ def test_every_piece_must_be_held():
     )
     (finding,) = check_hold(both, held((SIDE["left"], CLAMPED), n_node=2 * n))
     assert finding.severity == "doubt"
-    assert "the piece of 8 quads about (2, 5, 0) mm, which nothing holds" in str(finding)
+    assert "the piece of 8 quads about (2, 5, 0) mm, which has no support" in str(finding)
     whole = held((SIDE["left"], CLAMPED), (SIDE["left"] + n, CLAMPED), n_node=2 * n)
     assert list(check_hold(both, whole)) == []
 
@@ -70,14 +70,16 @@ def test_a_blade_that_cuts_held_film_is_told():
     assert list(check_held_film(sweep, case.simulation.state.node.support[: mesh.n_node])) == []
     support = held((np.flatnonzero(mesh.nodes[:, 0] > 1.5), POSITION), n_node=mesh.n_node)
     (finding,) = check_held_film(sweep, support)
-    assert "quads under their path with all four nodes held, the first at (2" in str(finding)
+    assert "quads under their path with all four nodes fixed, the first at (2" in str(finding)
 
 
 def test_a_film_that_is_held_here_and_there_is_told_what_it_can_do():
     (finding,) = check_hold(MESH, held((ALL, [2])))
-    assert "whose 15 held nodes leave it free to move along x, along y, about z" in str(finding)
+    assert "whose 15 supported nodes leave it free to move along x, along y, about z" in str(
+        finding
+    )
     (finding,) = check_hold(MESH, held())
-    assert "the film about (2, 0, 0) mm, which nothing holds" in str(finding)
+    assert "the film about (2, 0, 0) mm, which has no support" in str(finding)
 
 
 N_SHEET = 6 * 4  # quads of the large piece

@@ -98,8 +98,8 @@ def test_the_best_is_better_only_if_a_finer_film_says_so(figures, half_width, to
     assert (found.best.values, found.second.values) == ({"k": 2}, {"k": 1})
     said = str(found)
     assert f"{figures[2]:.3g}" in said.splitlines()[-2 if told else -3]
-    assert ("no difference can be told from the one second best" in said) is not told
-    assert "told from the one as given" not in said
+    assert ("its difference from the one second best is within the scatter" in said) is not told
+    assert "its difference from the one as given is within the scatter" not in said
 
 
 def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
@@ -111,8 +111,8 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
     assert within.best.folder == "c"
     beyond, inside, best = (np.asarray(one.values, float) for one in within.diagram().curves)
     assert [one.name for one in within.diagram().curves] == [
-        "beyond the limits",
-        "within",
+        "runs beyond the limits",
+        "runs",
         "best so far",
     ]
     np.testing.assert_array_equal(np.isnan(beyond), [False, True, True])
@@ -176,10 +176,10 @@ def test_every_number_of_a_summary_is_a_name_that_a_search_knows(tmp_path):
         ({"minimise": "force_peak", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
         (
             {"minimise": "force_peak", "subject_to": ["n_loose = 1"]},
-            "a limit must be FIGURE <= NUMBER",
+            "a limit must be NAME <= NUMBER",
         ),
         ({"minimise": "crack_length", "subject_to": ["flasp==0"]}, "did you mean n_flap"),
-        ({"minimise": "force_paek"}, "no figure force_paek; did you mean force_peak_N"),
+        ({"minimise": "force_paek"}, "no value force_paek; did you mean force_peak_N"),
         ({"minimise": "force_peak", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
         ({"minimise": "force_peak", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
         ({"minimise": "force_peak", "keys": {PLATEAU: "6 mm:12 mm"}}, "must be a number in MPa"),
@@ -194,7 +194,7 @@ def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
 
 
 def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
-    with pytest.raises(RuntimeError, match=r"no figure torque_peak_Nmm; .*force_peak_N"):
+    with pytest.raises(RuntimeError, match=r"no value torque_peak_Nmm; .*force_peak_N"):
         sc.optimise(
             "guillotine",
             tmp_path,

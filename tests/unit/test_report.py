@@ -34,7 +34,7 @@ SECTIONS = [
         "Where the work went",
         "What may be trusted",
     ),
-    *("The cut", "In three dimensions", "Crack map", "Quality of the cut", "Figures"),
+    *("The cut", "In three dimensions", "Crack map", "Quality of the cut", "Values"),
     *("What was run", "Versions"),
 ]
 
@@ -141,7 +141,7 @@ class TestPage:
         kinds = [kind for kind, _ in sentences(page[page.index("What may be trusted") :])]
         assert kinds.count("good") >= 3
         assert kinds.count("doubt") == 1
-        assert "; 1 check speaks against it.</p>" in page
+        assert "; there is 1 doubt.</p>" in page
         assert kinds == sorted(kinds, key=["doubt", "good", "note"].index)
 
 
@@ -158,7 +158,7 @@ def undrawn(monkeypatch, out):
 @pytest.mark.usefixtures("undrawn")
 def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(out, tmp_path):
     summary = json.loads((out / "summary.json").read_text())
-    kept = "keeps mm, N and s"
+    kept = "keep mm, N and s"
     page = report_run(out, tmp_path / "mm.html").read_text(encoding="utf-8")
     lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
     assert f"up to path {summary['path_end_mm']:.4g} mm, " in lead
@@ -202,7 +202,7 @@ LOST = {
     "broken files": (
         with_texts(guillotine="no HDF5", summary="{", history="time [s],path [mm]\n0.0,0.0\n"),
         ["The frames cannot be shown", "The summary cannot be shown", "fewer than two rows"],
-        {"Force", "Conclusion", "Answers", "Figures"},
+        {"Force", "Conclusion", "Answers", "Values"},
     ),
     "no figures and half a row": (
         with_texts(summary="[1, 2]", splits=lambda text: text[: len(text) // 2].rpartition(",")[0]),
@@ -245,7 +245,7 @@ class TestWhatIsMissing:
         assert reason.startswith("cutting edge 1 has cut ")
         closes = []
         for page in (whole, killed):
-            closes += [text for _, text in sentences(page) if "the ledger misses up to" in text]
+            closes += [text for _, text in sentences(page) if "the error is at most" in text]
             assert f"There is no steady window, so there is no mean: {reason}." in page
         assert closes == [closes[0]] * 2
 

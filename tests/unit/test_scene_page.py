@@ -160,9 +160,7 @@ class TestFile:
         assert 2 <= len(page.frames) < 5
         assert (page.frames[0], page.frames[-1]) == (0, 4)
         assert page.n_byte <= room + 20_000  # style and texts
-        assert re.match(
-            r"all 5 frames would take 0\.\d+ MB, there is room for 0\.\d+ MB", page.dropped
-        )
+        assert re.match(r"all 5 frames would need 0\.\d+ MB, the limit is 0\.\d+ MB", page.dropped)
         assert page.dropped in page.path.read_text(encoding="utf-8")
 
     def test_what_cannot_be_written_is_refused(self, results, tmp_path):

@@ -22,7 +22,7 @@ from test_report import LISTEN, Outline, drawn, sentences, without_scripts
 
 ROOT = Path(__file__).resolve().parents[2]
 SECTIONS = [
-    *("Study", "Runs", "Curves", "Figures over factors", "What was run", "Versions"),
+    *("Study", "Runs", "Curves", "Values over factors", "What was run", "Versions"),
 ]
 STUDY = """model = "opening"
 {figures}
@@ -126,21 +126,21 @@ def test_runs_that_their_verdict_distrusts_are_marked_wherever_they_are(tmp_path
 class TestWhatIsMissing:
     def test_all_failed(self, tmp_path):
         page = page_of(made(tmp_path / "s", {}, n=4, failed=range(4)))
-        assert "No run is done, so there are no figures" in page
+        assert "No run is done, so there are no values" in page
         assert {"Study", "Runs", "What was run"} <= set(Outline(page).titles)
 
     def test_a_figure_that_no_run_has(self, tmp_path):
         chosen = 'figures = ["torque_peak_Nmm", "force_peak_N"]'
         folder = made(tmp_path / "s", THREE, n=8, chosen=chosen)
         assert [one.key for one in read_folder(folder).figures] == ["torque_peak_Nmm"]
-        assert "asks for the figure force_peak_N, which no run has" in page_of(folder)
+        assert "asks for the value force_peak_N, which no run has" in page_of(folder)
 
     def test_a_section_that_fails_costs_no_other(self, tmp_path):
         folder = made(tmp_path / "s", THREE, n=4)
         (folder / "error_bars.json").write_text("{")
         page = page_of(folder)
         assert "The section &quot;Error bars&quot; cannot be shown: " in page
-        lost = "Figures over factors"
+        lost = "Values over factors"
         assert Outline(page).titles == [title for title in SECTIONS if title != lost]
 
     def test_no_table_yet_and_a_measured_curve_which_is_for_runs(self, tmp_path, capsys):
@@ -189,7 +189,7 @@ class TestValuesThatGoTogether:
         folder = planned_folder(tmp_path / "s", linked)
         study = read_folder(folder)
         assert [one.name for one in study.factors] == [
-            "edge inclination with pitch",
+            "edge inclination and pitch",
             "wedge half angle",
         ]
         assert study.factors[0].values.tolist() == [40.0, 40.0, 60.0, 60.0, 80.0, 80.0]
@@ -197,13 +197,13 @@ class TestValuesThatGoTogether:
         page = page_of(folder)
         for head in ("edge inclination [°]", "pitch [mm]", "wedge half angle [°]"):
             assert f">{head}</th>" in page  # the table has every key
-        assert "edge inclination with pitch [°]" in page  # the axis of an effect
+        assert "edge inclination and pitch [°]" in page  # the axis of an effect
         assert "run 2: edge inclination 60°, pitch 20 mm, wedge half angle 6°" in page
 
     def test_values_that_the_first_does_not_tell_apart_are_names(self, tmp_path):
         linked = {"tool.edge_inclination_deg, motion.pitch": [[40, 12], [40, 20], [60, 20]]}
         (one,) = read_folder(planned_folder(tmp_path / "s", linked)).factors
-        assert one.names == ("40 with 12", "40 with 20", "60 with 20")
+        assert one.names == ("40°, 12 mm", "40°, 20 mm", "60°, 20 mm")
         assert one.values.tolist() == [0.0, 1.0, 2.0]
 
 

@@ -418,7 +418,7 @@ def test_every_place_of_the_rows_is_covered(sound, tmp_path, name):
     path.write_bytes(sound.read_bytes())
     with h5py.File(path, "r+") as file:
         file[f"VTKHDF/Steps/{name}"][3] += 1
-    with pytest.raises(ResultFileError, match=r"time, figures or pose of frame 3 are not what was"):
+    with pytest.raises(ResultFileError, match=r"time, values or pose of frame 3 are not what was"):
         VtkHdfReader(path)
     with pytest.raises(ValueError, match="is damaged; start anew"):
         VtkHdfWriter(path, until=np.inf)

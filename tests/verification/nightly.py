@@ -22,7 +22,7 @@ from typing import Any
 
 STORED = Path(__file__).with_name("nightly.json")
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "verification.md"
-HEADING = "## The slow tests"
+HEADING = "## The nightly tests"
 WORDS = ("passed", "failed", "skipped")
 
 

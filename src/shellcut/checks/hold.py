@@ -1,4 +1,4 @@
-"""Checks of supports: no piece of the film is free to move away, no blade comes down on held film.
+"""Checks of supports: no piece of the film is free to move away, no blade meets fixed film.
 
 A rigid motion has six parameters, a velocity a and an angular velocity w: a node at x moves with
 v = a + w × (x - c), its director with the part of w normal to it, because a director has no
@@ -20,7 +20,7 @@ from .finding import Finding, doubt
 from .sweep import Sweep
 
 _LEVER = 1e-4
-"""Arm of a held node over the size of its piece that is round-off of a file, and holds nothing."""
+"""Arm of a supported node over the size of its piece that is round-off, and fixes nothing."""
 _WAYS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 
@@ -38,29 +38,29 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
         who = f"the piece of {n_quad:,} quads" if len(pieces) > 1 else "the film"
         held = int(support[nodes].any(axis=1).sum())
         came = (
-            f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, which nothing holds"
+            f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, which has no support"
             if held == 0
-            else f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, whose {held:,} held nodes leave it "
-            f"free to move {', '.join(free)}"
+            else f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, whose {held:,} supported nodes "
+            f"leave it free to move {', '.join(free)}"
         )
         yield doubt(
-            "every piece of the film must be held, or the tool pushes it away instead of cutting",
+            "every piece of the film must be supported, or the tool pushes it away without cutting",
             came,
             "clamp some of its nodes ([membrane] clamp, [[supports]], or Support in Python)",
         )
 
 
 def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
-    """Yield a doubt if a cutting edge goes through quads that cannot give way."""
+    """Yield a doubt if a cutting edge passes through quads that cannot move."""
     node = np.asarray(support[:, :3].all(axis=1))
     held = np.flatnonzero(node[sweep.mesh.quads[sweep.quad]].all(axis=1))
     if held.size:
         x, y, z = sweep.place[held[0]]
         yield doubt(
-            "the cutting edges must go through film that can give way",
+            "the cutting edges must pass through film that can move",
             f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes "
-            f"held, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
-            "hold fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
+            f"fixed, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            "support fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
         )
 
 
@@ -69,9 +69,9 @@ def pieces_of(
 ) -> list[tuple[Ints, list[str]]]:
     """Return nodes and free motions, in words, of each piece of a film, quads that share nodes.
 
-    ``support`` tells the held components of each node, three of position and three of director
-    spin, shape (n_node, 6). A held node whose arm over the size of its piece is below ``lever``
-    holds no rotation.
+    ``support`` has the fixed components of each node, three of position and three of director
+    spin, shape (n_node, 6). A supported node whose arm over the size of its piece is below
+    ``lever`` prevents no rotation.
 
     Examples
     --------

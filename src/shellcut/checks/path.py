@@ -30,7 +30,7 @@ OFF_ROW = 0.1
 """Largest distance of a row of mesh edges, in edge lengths: the chords of a path that turns by a
 right angle within six edges deviate by as much."""
 NEAR_HELD = 0.5
-"""Held nodes closer than this to the path, in edge lengths, are in the way."""
+"""Supported nodes closer than this to the path, in edge lengths, stop the blade."""
 SHARE = 0.05
 """Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
@@ -53,7 +53,7 @@ def check_path(
 ) -> Iterator[Finding]:
     """Yield findings on the path of the cutting edges over the tool's whole motion.
 
-    ``support`` tells the held components of each node, the law is of cables that the edges have
+    ``support`` has the fixed components of each node, the law is of cables that the edges have
     met, ``remedy`` what makes them meet a film that they miss.
     """
     along_edges = fracture.path == "edges"
@@ -74,9 +74,9 @@ def check_path(
     h = rows.spacing if along_edges else float(np.median(sweep.edge_length))
     if law.opening_u < RUNGS * h:
         yield doubt(
-            f"opening_u must be at least {RUNGS:g} sides of the quads along the path long, or the "
-            "force is too high, at half of that by a tenth in the opening test on quick and by a "
-            "fiftieth in the guillotine",
+            f"opening_u must be at least {RUNGS:g} times the side of the quads along the path, or "
+            "the force is too high (at half of that by 10 % in the opening test on quick, by 2 % "
+            "in the guillotine)",
             f"opening_u {law.opening_u:.4g} mm and sides of {h:.3g} mm on the path, "
             f"{law.opening_u / h:.2g} of them",
             "use a finer film along the path; openings are in mm",
@@ -98,8 +98,8 @@ def check_sides(sweep: Sweep, bent: float, law: CohesiveTable) -> Iterator[Findi
         size = side_needed(bent, law)
         yield doubt(
             f"sides of the quads under the path must be {BENDS:g} bending lengths of the film at "
-            "most, or it cannot fold beside the tool: the torque was off by up to a half at ten of "
-            "them, and the better of two teeth came out as the worse",
+            "most, or the film cannot fold beside the tool: at ten bending lengths the torque was "
+            "wrong by up to a half, and the better of two teeth seemed the worse",
             f"sides of {h:.3g} mm, {h / bent:.2g} bending lengths of {bent:.3g} mm",
             f"set membrane.size_at_path = {size:.2g}, or bring a film as fine as that along the "
             "path",
@@ -146,7 +146,7 @@ def _fates(sweep: Sweep, remedy: str) -> Iterator[Finding]:
     if out:
         yield doubt(
             "a cutting edge must stay in the film as long as the tool moves along it, or the tool "
-            "behind the edge tears the film or leaves it whole",
+            "behind the edge tears the film or leaves it uncut",
             f"{len(out)} of {len(fates)} whose end leaves the film, the first at "
             f"{_first_exit(out, sweep)}: {_chains([fate.chain for fate in out])}",
             "make the edges longer, or the advance across the film smaller (pitch)",
@@ -196,7 +196,7 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
         f"a cutting edge must move where it points, within {np.degrees(ATTACK):.0f}°, or a "
         "blunt back or flank presses on the film",
         f"another direction on {100.0 * share:.0f} % of the path; cutting edge "
-        f"{_numbers([int(sweep.chain[worst])])} moves {angle:.0f}° off where it points at "
+        f"{_numbers([int(sweep.chain[worst])])} moves {angle:.0f}° away from where it points at "
         f"({x:.4g}, {y:.4g}, {z:.4g}) mm, t = {1e3 * sweep.time[worst]:.4g} ms",
         "turn the tool, reverse the motion (axis of a screw, direction of a straight one), or "
         f"leave the edge out ([tool] not_cutting = [{sweep.chain[worst]}])",
@@ -230,16 +230,18 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
     worst = int(np.argmax(np.where(asked & np.isfinite(rows.off), rows.off, -1.0)))
     none = bool(np.isinf(rows.off[asked]).any())
     x, y, z = sweep.place[worst] + 0.0
-    came = f"no such row in {100.0 * share:.0f} % of the {len(quads):,} quads on the way"
+    came = f"no such row in {100.0 * share:.0f} % of the {len(quads):,} quads under the path"
     if rows.off[worst] > OFF_ROW:
         h = float(sweep.edge_length[worst])
-        came += f", the next one {rows.off[worst] * h:.3g} mm off at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+        came += (
+            f", the next one {rows.off[worst] * h:.3g} mm away at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+        )
     yield doubt(
         "a row of sides of quads must lie under the path of the cutting edges, within "
-        f"{OFF_ROW:g} of their length, since cracks follow it: beside it the force is too large, "
+        f"{OFF_ROW:g} of their length, since cracks follow it: without it the force is too large, "
         "or nothing is cut",
         came + ("; some run across it" if none else ""),
-        ('let cracks go through the quads, fracture.path = "free", or ' if not bound else "")
+        ('let cracks run through the quads, fracture.path = "free", or ' if not bound else "")
         + "mesh along it",
     )
 
@@ -253,8 +255,9 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
     if len(held):
         x, y, z = mesh.nodes[held[0]] + 0.0
         yield doubt(
-            "the path of the cutting edges must keep clear of held nodes, which never split: the "
-            "blade runs against them",
-            f"{counted(len(held), 'held node')} on it, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
-            "hold other nodes, or move the tool",
+            "no supported node may lie on the path of the cutting edges: such nodes never split, "
+            "so the blade runs against them",
+            f"{counted(len(held), 'supported node')} on it, the first at ({x:.4g}, {y:.4g}, "
+            f"{z:.4g}) mm",
+            "support other nodes, or move the tool",
         )

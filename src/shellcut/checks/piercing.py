@@ -2,8 +2,8 @@
 
 F_p (:mod:`shellcut.fracture.puncture`) of an end, apex or arc of an edge is that of a film that is
 stretched little, stiff in transverse shear and without tension far from the tip, which tears no
-farther by itself. A force of one's own needs none of this, nor do edges that all come in over the
-rim.
+farther by itself. A force that the user gives needs none of this, nor do edges that all enter the
+film at its border.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SHEAR_SOFT = 0.2
 """Largest tension at the strength over the section's transverse shear stiffness: 0.03 of one layer
 at a strain of 1 %, 0.16 of PET on five times as much PE, 0.5 of foil, PE and foil."""
 TIGHT = 0.3
-"""Largest tension before the tool comes, over that at the strength: takes 5 % off F_p."""
+"""Largest tension before the tool is at the film, over that at the strength; lowers F_p by 5 %."""
 
 FARTHEST_STRAIN = 0.1
 """Largest strain at the strength of a film that yields: slopes are sqrt(2 strain), 0.45 there."""
@@ -40,11 +40,11 @@ _BAND = "0.91 to 1.00", "0.87 to 1.13"
 _MEASURE = "measure the force of piercing, if you need it, and give it, fracture.puncture_force"
 
 _FROM_RIM = 0.25
-"""Edges of the film from its rim beyond which a cutting edge comes down on its face."""
+"""Sides of quads from the film's border beyond which a cutting edge meets the film's face."""
 
 
 def check_piercing(sim: Simulation, law: CohesiveTable, sweep: Sweep) -> Iterator[Finding]:
-    """Yield where F_p of the strength is not the force at which a tip goes through."""
+    """Yield where F_p of the strength is not the force at which a tip pierces the film."""
     if sim.cracks is None or not _on_face(sim, sweep):
         return
     film, strength = sim.material, law.strength
@@ -93,16 +93,16 @@ def check_piercing(sim: Simulation, law: CohesiveTable, sweep: Sweep) -> Iterato
     tight = float(np.linalg.eigvalsh(stress).max()) / strength
     if tight > TIGHT:
         yield doubt(
-            "the film should not be tight before the tool comes, at most "
-            f"{TIGHT:g} of its strength, or a tip pierces it sooner",
+            "the tension of the film before the tool touches it should be at most "
+            f"{TIGHT:g} of its strength, or a tip pierces it at a lower force",
             f"a tension of {tight:.2g} of it",
-            f"a tip takes {math.sqrt(max(1.0 - tight * tight, 0.0)):.2g} of the usual force then "
+            f"a tip then needs {math.sqrt(max(1.0 - tight * tight, 0.0)):.2g} of the usual force "
             "(docs/howto/pierce.md): give it, fracture.puncture_force",
         )
 
 
 def _on_face(sim: Simulation, sweep: Sweep) -> bool:
-    """Return whether a cutting edge first comes to the film away from its rim."""
+    """Return whether a cutting edge first meets the film away from its border."""
     first, edges = np.unique(sweep.chain, return_index=True)[1], sim.mesh.edges()
     ends = sim.mesh.nodes[edges.nodes[edges.n_quad == 1]]
     gap, _ = off_segments(sweep.place[first, None], ends[:, 0], ends[:, 1] - ends[:, 0])

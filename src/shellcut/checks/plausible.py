@@ -65,7 +65,7 @@ def check_table(motion: Motion) -> Iterator[Finding]:
         yield doubt(
             "between two rows of one axis the tool turns by the difference of their angles",
             f"a turn of {math.degrees(float(norm(b - a))):.4g}° from entry {i} to {i + 1} of the "
-            "table, where the shorter way goes on as before or after it",
+            "table; the shorter turn is in line with the entries before or after it",
             "if the sensor jumps by a turn (359 to 1 deg), set unwrap = true ([motion], or "
             "TableMotion)",
         )
@@ -83,7 +83,7 @@ def _thickness(mesh: Mesh, material: ShellMaterial) -> Iterator[Finding]:
     if h > SLENDER * size:
         yield Finding(
             REFUSE if h >= size else DOUBT,
-            f"a shell should be thinner than {SLENDER:g} of its size, or its theory does not hold",
+            f"a shell should be thinner than {SLENDER:g} of its size, or its theory is not valid",
             f"thickness {h:.4g} mm of a film of {size:.4g} mm, the root of its area",
             remedy,
         )

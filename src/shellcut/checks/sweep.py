@@ -5,11 +5,11 @@ changes sign: along the edge at a given time, and at a given point in time, whic
 comes down flat. Over a flat film f is the height over its plane, over a curved one that over the
 plane of the nearest quad. A place counts only if it lies in a quad; so holes do not count.
 
-Only the reference film is used. A film that gives way is met later and elsewhere, depending on how
-much it gives way.
+Only the reference film is used. A film that deforms is met later and elsewhere, depending on how
+much it deforms.
 
 A crack leads the edge, in a stiff film by many of the tool's thicknesses. So at every end of the
-path - where the motion ends or turns back, where the edge comes into the film or leaves it - the
+path - where the motion ends or turns back, where the edge enters the film or leaves it - the
 path is continued through the whole film: straight, and along the circle through its last places.
 """
 
@@ -135,17 +135,17 @@ class Sweep:
     def distance(self, points: Floats) -> Floats:
         """Return the distance of points of the reference film from the path, shape (n,), [mm].
 
-        The path is straight between two sampled times, and goes on beyond its ends. Infinite if no
-        edge passes through the film.
+        The path is straight between two sampled times, and continues beyond its ends. Infinite if
+        no edge passes through the film.
         """
         return np.asarray(self._path.tree.query(points)[0])
 
     def lead(self, points: Floats, crack: Ints | None = None) -> Floats:
         """Return how far points lie ahead of an end of the path, 0 beside it, shape (n,), [mm].
 
-        Where the ways ahead of several ends pass a point, it is the end of an edge that has been in
-        its crack, of these the nearest along its way: the gap between two teeth that go round one
-        circle is ahead of the one and behind the other.
+        Where the paths ahead of several ends pass a point, it is the end of an edge that has been
+        in its crack, of these the nearest along its path: the gap between two teeth on one circle
+        is ahead of the one and behind the other.
 
         crack : (n,), of each point, by number; by default nothing is known of them.
         """
@@ -175,7 +175,7 @@ class Sweep:
     def path_points(self, ahead: float) -> Floats:
         """Return points on the path and on its continuation beyond each end, shape (n, 3), [mm].
 
-        It goes on by ``ahead`` [mm], on the circle through the last places, or straight.
+        It continues by ``ahead`` [mm], on the circle through the last places, or straight.
         """
         found = [self.place]
         for k in range(len(self.fates)):

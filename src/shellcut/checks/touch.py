@@ -1,4 +1,4 @@
-"""Whether the tool ever comes near a film that keeps its shape, wherever its supports move it.
+"""Whether the tool ever approaches a film that keeps its shape, wherever its supports move it.
 
 Points on both surfaces tell how far they are apart at some times of the motion.
 """
@@ -29,8 +29,8 @@ _TIMES = 60  # of the motion; a step of it is also as near as can be told
 def check_touch(sim: Simulation, until: float, remedy: str = "") -> Iterator[Finding]:
     """Yield a doubt if the tool stays away from the film, which nothing else deforms.
 
-    Where it comes nearer than the points can tell, or than it goes on in a step of the motion, it
-    may touch. A remedy that is known is named; else the distance to the nearest place.
+    Where the distance is below that of the points, or of a step of the motion, it may touch.
+    A remedy that is known is named; else the distance to the nearest place.
     """
     tool, motion = sim.tool, sim.motion_in_film(until)
     if tool is None or motion is None or sim.inputs["loads"] or _changes_shape(sim, until):

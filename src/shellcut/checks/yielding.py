@@ -36,8 +36,8 @@ def check_strength(material: ShellMaterial, law: CohesiveTable | None) -> Iterat
         in_strip = largest_nominal_stress(material, "plane strain", across=most.across)
         shown = most if in_strip is None else in_strip
         yield doubt(
-            "a film must be able to carry the strength at which it is to crack, or it necks and "
-            "parts only where a blade has passed",
+            "a film must be able to carry the strength at which it cracks, or it necks and parts "
+            "only where a blade has passed",
             f"{_carries(shown)}, a crack needs {law.strength:.4g} MPa",
             "lower [cohesive] strength below what the film carries, or look at its hardening; both "
             "are forces over the undeformed section",
@@ -48,7 +48,7 @@ def check_strength(material: ShellMaterial, law: CohesiveTable | None) -> Iterat
     if reached is None:
         yield note(
             f"{_carries(most)}, less in plane strain; a crack needs {law.strength:.4g} MPa",
-            "the film cracks only where it is stretched both ways, elsewhere it necks",
+            "the film cracks only where it is stretched in both directions, elsewhere it necks",
         )
     elif reached > elastic + _PLASTIC:
         yield note(

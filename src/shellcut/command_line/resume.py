@@ -13,12 +13,13 @@ from shellcut.recording.run_log import RunLog
 
 from .exit_code import refuse
 from .run_model import run_model
-from .shared_arguments import named
+from .shared_arguments import add_verbose_to, named
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
+    add_verbose_to(parser)
     parser.add_argument("--set", action="append", dest="settings", help=argparse.SUPPRESS)
 
 
@@ -51,4 +52,5 @@ def run(arguments: argparse.Namespace) -> int:
             "\n".join(f"{text} since the run began" for text in wrong)
             + "\nput it back, or run the model again into another folder"
         )
-    return run_model(model, folder, RunLog(words=model.words), resume=True)
+    log = RunLog(words=model.words, verbose=arguments.verbose)
+    return run_model(model, folder, log, resume=True)

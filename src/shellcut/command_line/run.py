@@ -13,7 +13,7 @@ from shellcut.recording.run_log import RunLog
 
 from .exit_code import DONE, refuse
 from .run_model import run_model
-from .shared_arguments import add_settings_to, named, settings_of
+from .shared_arguments import add_settings_to, add_verbose_to, named, settings_of
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
@@ -38,6 +38,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="run a model although a check refuses it, where this can make sense",
     )
+    add_verbose_to(parser)
     parser.add_argument("--list", action="store_true", help="list the models of the package")
     parser.add_argument(
         "--write-model",
@@ -68,7 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
     if problems or model is None:
         return refuse("\n".join(problems))
     options = {name: getattr(arguments, name) for name in ("overwrite", "force")}
-    return run_model(model, arguments.out, RunLog(words=model.words), **options)
+    log = RunLog(words=model.words, verbose=arguments.verbose)
+    return run_model(model, arguments.out, log, **options)
 
 
 def _read(arguments: argparse.Namespace) -> Model:

@@ -6,18 +6,13 @@ import errno
 import time
 import traceback
 from contextlib import closing
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shellcut.files.distribution import VERSION
 from shellcut.files.run_folder import CHECKPOINT, LOG, USED
 from shellcut.recording.run_log import RunLog
-from shellcut.results.energy_account import account
-from shellcut.results.summary_figures import key_figures
-from shellcut.results.verdict import Line
 from shellcut.signals import INTERRUPTED
-from shellcut.unit import with_unit
 
 from .exit_code import BAD_INPUT, DONE, FAILED, STOPPED, refused
 
@@ -30,12 +25,6 @@ _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
 _BETWEEN_LINES = 3.0
 """Shortest time between two lines on compilation [s]."""
-
-_FIGURES = (
-    *("n_step", "wall_s", "crack_length_mm", "n_cable_created", "n_cable_jointed"),
-    *("n_cable_broken", "imbalance_rel", "kinetic_rel"),
-)
-"""Figures of ``summary.json`` that are printed at the end, after the answers."""
 
 
 def run_model(
@@ -90,7 +79,8 @@ def _ready(
                 model.write(folder / USED)
             log.open(folder / LOG)
             digest = digest_of(folder / USED)
-            for line in (f"shellcut {VERSION}, {USED} with sha256 {digest}", *lines):
+            log.keep(f"shellcut {VERSION}, {USED} with sha256 {digest}")
+            for line in lines:
                 log.say(line)
         except BaseException:
             recorder.give_up()
@@ -98,10 +88,7 @@ def _ready(
         return case, recorder
     except RunEnded as ended:
         log.warn(f"{ended}; nothing was changed")
-        try:
-            _say_end(folder, log)
-        except (OSError, ValueError) as problem:  # the summary is gone, or is none
-            log.warn(str(problem))
+        log.ended = folder
         return DONE
     except (OSError, ValueError) as problem:
         log.warn(refused(problem))
@@ -148,7 +135,7 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
     folder = recorder.folder
     try:
         case.go(recorder)
-        _say_end(folder, log)
+        log.ended = folder
     except UnstableStep as problem:
         log.warn(f"stopped: {problem}")
         log.warn(f"the output up to this step is in {folder}")
@@ -172,20 +159,3 @@ def _remedy(problem: Exception, folder: Path) -> str:
     if (folder / CHECKPOINT).exists():
         return f"{cause}, then: shellcut resume {folder}"
     return f"{cause}, then run it again with --overwrite: there is no checkpoint to resume from"
-
-
-def _say_end(folder: Path, log: RunLog) -> None:
-    from shellcut.files.file_list import FileList
-    from shellcut.results.answers import answers
-    from shellcut.results.run_results import summary_in
-
-    summary = summary_in(folder)
-    for asked, answer in answers(summary):
-        log.say(f"{asked:<16} {answer}")
-    for label, value in key_figures(summary, _FIGURES):
-        log.say(f"{label:<52} {value:>14}")
-    for words, energy, share in chain(*account(summary)):
-        log.say(f"{words:<52} {with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %")
-    log.say(f"in {folder}: {', '.join(sorted(FileList(folder).there()))}")
-    if not log.verdict:  # the run had already ended
-        log.verdict += [str(Line(**line)) for line in summary.get("verdict", ())]

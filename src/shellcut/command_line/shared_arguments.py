@@ -65,6 +65,13 @@ def keys_with_values(
     return {key.strip(): read(value.strip()) for key, _, value in split}
 
 
+def add_verbose_to(parser: argparse.ArgumentParser) -> None:
+    """Add ``--verbose``."""
+    parser.add_argument(
+        "--verbose", action="store_true", help="list the checks that passed, too, at the end"
+    )
+
+
 def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **flags: str) -> None:
     """Add arguments of a class, by the names of its parameters: type, choices, default, help."""
     for name, flag in flags.items():

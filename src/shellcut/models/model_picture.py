@@ -165,7 +165,7 @@ class _View:
 def _draw_film(view: _View, mesh: Mesh, supported: Ints, worst: Ints) -> None:
     view.lines(mesh.nodes[mesh_edges(mesh.quads)], _FILM_COLOR, 0.4)
     if len(worst):
-        label = f"{len(worst)} quads with the shortest steps"
+        label = f"{len(worst)} quads with the smallest stable step"
         view.faces(mesh.nodes[mesh.quads[worst]], _WORST_COLOR, label=label)
     if len(supported):
         view.dots(mesh.nodes[supported], 3.0, _SUPPORTED_COLOR, f"{len(supported)} supported nodes")

@@ -12,7 +12,7 @@ from shellcut.arrays import Floats, Ints, norm
 from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
-from shellcut.mitc4.mesh_quality import CLEARLY, MeshQuality, mesh_quality
+from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.frame_capture import Exposure
 from shellcut.recording.status_line import crack_line, film_line, how_long, tool_line
@@ -27,7 +27,6 @@ __all__ = ["ModelParts", "preview", "preview_parts"]
 _PROGRAM_MB, _QUAD_MB = 200.0, 1e-3
 
 _N_TIME = 60  # at which the fastest moment of a support is searched
-_N_WORST = 3  # quads that the report lists
 
 
 @checked
@@ -165,16 +164,13 @@ def _extent(ids: Ints, joined: Ints, n: int) -> str:
 
 
 def _worst_lines(quality: MeshQuality) -> Iterator[str]:
-    """List the quads whose steps are clearly below the median."""
-    shortest = quality.worst.tolist()[:_N_WORST]
-    if shortest:
-        yield f"worst  quads with steps below {CLEARLY:g} of the median, shortest first:"
+    """Say where the quad of the smallest step is, if it is clearly below the median."""
     unit, factor = shown("mm")
-    for e in shortest:
+    for e in quality.worst[:1].tolist():
         x, y, z = factor * quality.centre[e]
         yield (
-            f"       quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) {unit}: step {quality.step[e]:.3g} s, "
-            f"{quality.step[e] / quality.median_step:.2f} of the median"
+            f"worst  quad {e} at ({x:.4g}, {y:.4g}, {z:.4g}) {unit}: "
+            f"{quality.step[e] / quality.median_step:.2f} of the median step"
         )
 
 
@@ -192,12 +188,12 @@ def _step_lines(sim: Simulation, quality: MeshQuality) -> Iterator[str]:
     """Explain the first step of the run by the stable steps of the film."""
     stepping, allowed = sim.time_step.stepping, sim.time_step.bound(sim.state)
     safe = stepping.safety * allowed
-    yield f"step   {quality.median_step:.4g} s is stable for the median quad alone,"
-    yield f"       {quality.stable_step:.4g} s for the worst quad alone,"
-    yield f"       {allowed:.4g} s for the film with contact and cables at the start;"
     if stepping.fixed is None:
-        times = f"{stepping.safety:g} times that (time.safety)"
-        yield f"       {sim.dt:.4g} s is the first step of the run, {times}"
+        yield f"step   {sim.dt:.4g} s at first, {stepping.safety:g} (time.safety) of the stable"
     else:
         times = f"{stepping.fixed / allowed:.2g} times the stable one; without it {safe:.4g} s"
-        yield f"       {sim.dt:.4g} s is used in the run, since time.fixed is given: {times}"
+        yield f"step   {sim.dt:.4g} s, because time.fixed is given: {times}"
+    yield (
+        f"       stable: {allowed:.4g} s with contact and cables, {quality.stable_step:.4g} s for "
+        f"the worst quad alone, {quality.median_step:.4g} s for the median quad"
+    )

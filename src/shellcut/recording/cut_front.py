@@ -17,7 +17,7 @@ process zone among the tips ahead in the direction of the tool's motion. A tool 
 the film without moving along it has no such path; the last edge of the crack then gives the
 direction.
 
-These figures tell whether a cut is steady (:mod:`shellcut.results.steady_window`).
+These values tell whether a cut is steady (:mod:`shellcut.results.steady_window`).
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class CrackEnds(NamedTuple):
 
     @classmethod
     def of(cls, sim: Simulation, rim: Ints) -> CrackEnds:
-        """Return them for the present cracks; rim : nodes of the film's boundary."""
+        """Return them for the present cracks; ``rim`` : nodes on the film's border."""
         n, f = sim.state.node, sim.state.flank
         tips, place, t = [], np.zeros((0, 3)), np.zeros((0, 3))
         if sim.cracks is not None:

@@ -1,7 +1,7 @@
 """Recorder: the hook that writes a run to a folder while it proceeds.
 
 History, frames and pictures are written during the run, so a killed run leaves them behind;
-figures, splits and curves are written when it ends, for whatever reason
+values, splits and curves are written when it ends, for whatever reason
 (:mod:`shellcut.files.run_folder` lists the files). A checkpoint is saved at intervals, so that an
 interrupted run can resume: it drops the output after the checkpoint and writes it again.
 """
@@ -310,14 +310,14 @@ class Recorder:
             self._checkpoint_failed = False
         except OSError as problem:
             if not self._checkpoint_failed:  # once, not every minute
-                _log.warning("no checkpoint could be written, the run goes on: %s", problem)
+                _log.warning("no checkpoint could be written, the run continues: %s", problem)
             self._checkpoint_failed = True
         self._saved = time.perf_counter()
 
     # ------------------------------------------------------------------ parts
 
     def _row(self) -> Iterator[tuple[str, str, float]]:
-        """Yield name, unit and value of every column of the history, the plotted figure third."""
+        """Yield name, unit and value of every column of the history, the plotted value third."""
         sim, r = self._sim, self.resistance
         s = sim.state
         yield "time", "s", s.time
@@ -422,7 +422,7 @@ class Recorder:
         self._schedule.drawing += time.perf_counter() - began
 
     def _sum_up(self) -> None:
-        """Write the files of a completed run: figures, splits, curves."""
+        """Write the files of a completed run: values, splits, curves."""
         results = read(result_file(self.folder, self.name))
         figures = run_summary(
             self._sim,

@@ -2,11 +2,11 @@ r"""What a run measures: the resistance to its tool, or to the supports that pul
 
 Of a tool it is a torque or force from its wrench.
 
-Signs: all figures are exerted by the tool on the film, so a resistance is positive and
+Signs: all values are exerted by the tool on the film, so a resistance is positive and
 resistance x rate is the power of the tool.
 
 ==================  ========================  ======================================================
-invariant           figures                   power
+invariant           values                   power
 ==================  ========================  ======================================================
 an axis             torque T, axial force F   T dtheta/dt + F du/dt, u the advance; for a screw of
                                               pitch p du = p/(2 pi) dtheta
@@ -76,7 +76,7 @@ class Resistance:
         self._motion, self._film = motion, film
         turns = motion.coordinate_unit == "rad"
         self.coordinate_name, self.coordinate_unit = ("angle", "deg") if turns else ("path", "mm")
-        """Abscissa of the figures, in the unit shown to users."""
+        """Abscissa of the values, in the unit shown to users."""
         self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
         """Factor from the motion's own coordinate to that unit."""
         kept = kept_axis(motion, until, 0.0 if film is None else _STRAY * film.extent)
@@ -88,7 +88,7 @@ class Resistance:
         else:
             self._reading = _OfCoordinate(motion, until)
         self.columns, self.meaning = self._reading.columns, self._reading.meaning
-        """Names and units of the figures, and what the first is, which does the work."""
+        """Names and units of the values, and what the first is, which does the work."""
         if film is not None:
             self.meaning += ", as seen from the film, which its supports move"
 
@@ -97,7 +97,7 @@ class Resistance:
         return self._motion.coordinate(time) * self.coordinate_scale
 
     def of(self, wrench: Floats, origin: Floats, time: float) -> list[float]:
-        """Return the figures for one wrench on the tool at a time [s], in the order of ``columns``.
+        """Return the values for one wrench on the tool at a time [s], in the order of ``columns``.
 
         The wrench is force [N] and moment [N·mm] about the present position of the body's origin
         [mm].
@@ -107,11 +107,11 @@ class Resistance:
         return self._reading.of(force, (mx, my, mz), origin.tolist(), time)
 
     def felt(self, sim: Simulation) -> list[float]:
-        """Return the figures from contact and joints of all teeth together."""
+        """Return the values from contact and joints of all teeth together."""
         return self._now(sim, sim.tooth_wrenches.sum(axis=0))
 
     def _now(self, sim: Simulation, wrench: Floats) -> list[float]:
-        """Return the figures at t_n for one wrench on the tool, in the world's axes."""
+        """Return the values at t_n for one wrench on the tool, in the world's axes."""
         time, origin = sim.state.time, sim.pose.translation
         if self._film is not None:
             Q, q = self._film.pose(time)
@@ -154,7 +154,7 @@ class Resistance:
 
 
 class SupportPull:
-    """Way of the supports of a film without a tool, and the force that moves them.
+    """Path of the supports of a film without a tool, and the force that moves them.
 
     Its attributes are those of :class:`Resistance`; ValueError if no support moves.
     """
@@ -182,7 +182,7 @@ class SupportPull:
         self._last_speed = float(speed[-1])
 
     def coordinate(self, time: float) -> float:
-        """Return the way at a time [mm]."""
+        """Return the path at a time [mm]."""
         beyond = max(time - float(self._time[-1]), 0.0)  # the last step is not shortened
         return float(np.interp(time, self._time, self._way)) + beyond * self._last_speed
 
@@ -237,7 +237,7 @@ class _AboutAxis:
         return [0.0 - _dot(self._axis, about), 0.0 - _dot(self._advance, force)]
 
     def integrals(self, over_turn: Floats, work: float) -> list[float]:
-        """Return those of the figures over the angle [rad], from the wrench's and the work."""
+        """Return those of the values over the angle [rad], from the wrench's and the work."""
         *force, mx, my, mz = over_turn.tolist()
         torque, along = self.of(force, (mx, my, mz), (0.0, 0.0, 0.0), 0.0)
         if self._moves:  # then the moments are about other points from step to step

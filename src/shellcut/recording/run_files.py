@@ -122,8 +122,8 @@ class RunFiles:
     def resume(self, *, history: Written, frame_time: float, n_picture: int) -> None:
         """Reopen the files of the run in the folder and drop everything after its checkpoint.
 
-        Before it the history held this, which must be there unchanged, the last frame came at this
-        time [s], and there were so many pictures.
+        Before it the history had this content, which must be there unchanged, the last frame was
+        written at this time [s], and there were so many pictures.
         """
         growing = (self.folder / HISTORY, result_file(self.folder, self._name))
         gone = [str(file) for file in growing if not file.exists()]

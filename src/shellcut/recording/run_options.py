@@ -24,7 +24,7 @@ class RunOptions:
     ] = True
 
     progress: bool = True
-    """Whether to show progress on standard error, with a status line every 5 %."""
+    """Whether to show progress on standard error, and to log a status line every 5 %."""
 
     log: Callable[[str], None] | None = None
     """Function that also receives each line shown."""

@@ -1,4 +1,4 @@
-"""The figures of ``summary.json``, with the unit in each name; docs/howto/read-results.md."""
+"""The values of ``summary.json``, with the unit in each name; docs/howto/read-results.md."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ def run_summary(
     drawing: float,
     unfelt: Unfelt,
 ) -> dict[str, Any]:
-    """Return the figures by name; counts are integers, reasons are texts.
+    """Return the values by name; counts are integers, reasons are texts.
 
-    Figures that are not finite (a film that blew up) are left out: JSON cannot express them.
+    Values that are not finite (a film that blew up) are left out: JSON cannot express them.
     ``end`` are the columns of the history at its end, by default its last row: the state of a run
     that broke off within a step means nothing. Wall times [s] are without and for the pictures.
     """
@@ -153,7 +153,7 @@ def _options(sim: Simulation) -> dict[str, Any]:
 
 
 def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
-    """Return the figures of contact and of cables that meet the tool, none without a tool."""
+    """Return the values of contact and of cables that meet the tool, none without a tool."""
     s = sim.state
     if sim.contact is None:
         return {}
@@ -177,7 +177,7 @@ def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:
 
 
 def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
-    """Return the figures that are finite, by name, up to the present step."""
+    """Return the values that are finite, by name, up to the present step."""
     s = sim.state
     sides = sim.mesh.edge_lengths()
     figures: dict[str, float] = {"edge_length_mm": float(np.median(sides))}

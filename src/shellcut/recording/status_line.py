@@ -1,4 +1,4 @@
-"""Status lines of a run: its model at the start, energies and cracks as it proceeds."""
+"""Lines of a run: its model at the start, energies and cracks during the run."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SAID = 1e-4
 def start_lines(
     sim: Simulation, resistance: AnyResistance, until: float, sweep: Sweep | None = None
 ) -> Iterator[str]:
-    """Yield lines on film, tool, cuts, time step and estimated run time up to ``until`` [s]."""
+    """Yield lines on film, tool, cuts, motion and estimated run time up to ``until`` [s]."""
     held = int(sim.state.node.supported[: sim.mesh.n_node].sum())
     yield f"{film_line(sim.mesh, held)}, {with_unit(sim.material.thickness, 'mm')} thick"
     if sim.tool is not None:
@@ -39,21 +39,23 @@ def start_lines(
         yield edge_line(sweep)
     yield crack_line(sim)
     r = resistance
-    yield f"shown  {r.meaning}, over the {r.coordinate_name}"
     yield (
-        f"step   {sim.dt:.4g} s at first, so about {round(until / sim.dt, -2):,.0f} steps to "
-        f"{r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)}, "
-        f"{1e3 * until:.4g} ms; {how_long(sim, until)}"
+        f"motion to {r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)} in "
+        f"{1e3 * until:.4g} ms; output: {r.meaning}"
+    )
+    yield (
+        f"time   {how_long(sim, until)}: about {round(until / sim.dt, -2):,.0f} steps, the first "
+        f"of {sim.dt:.4g} s"
     )
 
 
 def film_line(mesh: Mesh, n_held: int) -> str:
-    """Say how large a film and its quads are, and how many of its nodes are held."""
+    """Say how large a film and its quads are, and how many of its nodes are supported."""
     sides, (unit, per) = mesh.edge_lengths(), shown("mm")
     return (
         f"film   {mesh.n_node:,} nodes, {mesh.n_quad:,} quads with sides of "
         f"{per * sides.min():.3g} to {per * sides.max():.3g} {unit}, "
-        f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_held:,} nodes held"
+        f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_held:,} nodes supported"
     )
 
 
@@ -90,7 +92,7 @@ def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str
 
 
 def crack_line(sim: Simulation) -> str:
-    """Say where cracks go, and which options let them go along sides of quads only."""
+    """Say where cracks can run, and which options restrict them to sides of quads."""
     if sim.cracks is None:
         return "cracks none: the model has no cohesive law"
     if sim.fracture.path == "free":
@@ -101,7 +103,7 @@ def crack_line(sim: Simulation) -> str:
     asked = ", ".join(
         f"{name} = {getattr(sim.fracture, name)!r}" for name in sim.fracture.only_along_edges
     )
-    which = f", which {asked} asks for" if asked else ""
+    which = f", because of {asked}" if asked else ""
     return f'cracks along sides of quads only (fracture.path = "edges"){which}'
 
 

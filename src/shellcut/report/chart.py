@@ -38,7 +38,7 @@ class Axis:
 
 
 def chart(diagram: Diagram, described: str, height: float = 300.0) -> str:
-    """Return a figure of curves that a reader switches, reads and looks at closely.
+    """Return a picture of curves that a reader switches, reads and looks at closely.
 
     The diagram's abscissae ascend, two or more. The text is for screen readers, the height in
     pixels.
@@ -92,7 +92,7 @@ def panel(
     lines: Sequence[tuple[Floats, Floats, str]] = (),
     hollow: Bools | None = None,
 ) -> str:
-    """Return a small figure of points that say something when pointed at.
+    """Return a small picture of points that say something when pointed at.
 
     There may be a colour for each point, and lines behind the points, by their places and style.
     ``hollow`` says which points are so.

@@ -1,4 +1,4 @@
-"""Section of the error bars: the table, and each figure over the size of the mesh."""
+"""Section of the error bars: the table, and each value over the size of the mesh."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from shellcut.results.error_bars import COLOURS, PARTS, SIZE, ErrorBars
+from shellcut.results.error_bars import COLOURS, PARTS, SIZE, WORDS, ErrorBars
 from shellcut.results.summary_figures import with_unit
 from shellcut.unit import in_unit
 from shellcut.view.curves import PALETTE
@@ -16,10 +16,10 @@ from .markup import legend, sentences, table
 
 
 def error_bars(found: ErrorBars | None) -> str:
-    """Return figures with error bars, their runs, and what is said about them; "" without any."""
+    """Return values with error bars, their runs, and what is said about them; "" without any."""
     if found is None:
         return ""
-    head = ("figure", "value", "±", *(f"± {part}" for part in PARTS), "as given")
+    head = ("result", "value", "±", *(f"± {WORDS[part]}" for part in PARTS), "as given")
     rows, pictures = [], []
     for bar in found.bars:
         had = [(run, v) for run, v in zip(found.runs, bar.values, strict=True) if v is not None]
@@ -35,7 +35,7 @@ def error_bars(found: ErrorBars | None) -> str:
                 lines=[(np.asarray(band.x, float), np.asarray(band.values, float), band.style)],
             )
         )
-    named = [(part or "as given", PALETTE[colour]) for part, colour in COLOURS.items()]
+    named = [(WORDS[part], PALETTE[colour]) for part, colour in COLOURS.items()]
     return (
         table(rows, head)
         + legend(named)
@@ -46,6 +46,6 @@ def error_bars(found: ErrorBars | None) -> str:
 
 
 _HOW = (
-    "95 % of fine answers lie within ±, which is mesh, speed and chance as a root of squares; each "
-    "point is a run, the bar at 0 is what an infinitely fine mesh would give."
+    "95 % of fine answers lie within ±, the root of the sum of the squares of its parts. Each "
+    "point is a run; the bar at 0 is the value on an infinitely fine mesh."
 )

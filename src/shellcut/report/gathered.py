@@ -47,7 +47,7 @@ class Gathered:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """The summary; for an unfinished run, its judged figures up to the last record."""
+        """The summary; for an unfinished run, its judged values up to the last record."""
         history, summary = self.results.history, self.results.summary
         if summary or "tool_work" not in history:
             return summary

@@ -48,10 +48,10 @@ def crack_map(run: Gathered) -> str:
     except ImportError:
         return missing(f"Not drawn: pictures need Matplotlib ({pip_install('plot')}).")
     name = frames[-1].coordinate_name
-    alt = f"Plan of the film with the crack edges coloured by the {name} they opened at"
+    alt = f"Plan of the film with the crack coloured by the {name} at which it opened"
     caption = (
-        f"The crack on the uncut film. Each edge is dated by the first frame in which it is "
-        f"open; {len(frames)} of {run.results.n_frame} frames were read."
+        f"The crack on the uncut film. The colour of each part is that of the first frame in which "
+        f"it is open; {len(frames)} of {run.results.n_frame} frames were read."
     )
     return (
         f'<figure>{image(png, alt)}<figcaption class="caption">{escape(caption)}</figcaption>'
@@ -73,7 +73,7 @@ def snapshots(run: Gathered) -> str:
 
 
 def scene(run: Gathered) -> str:
-    """Return the scene, of fewer frames if all need too much room, or why there is none."""
+    """Return the scene, of fewer frames if all are too large, or why there is none."""
     if not run.results.n_frame:
         return missing("No scene: there are no frames.")
     folder = escape(shlex.quote(str(run.results.folder)))
@@ -137,10 +137,10 @@ def measured(run: Gathered) -> str:
 
 
 def energy(run: Gathered) -> str:
-    """Return the energy ledger: work put in, energies, and imbalance."""
+    """Return the energy balance: work put in, energies, and imbalance."""
     h = run.results.history
     if "tool_work" not in h:
-        return missing("No ledger: the history is missing.")
+        return missing("No energy balance: the history is missing.")
     rows = [
         (words, with_unit(energy, "N*mm"), f"{100.0 * share:.1f} %")
         for lines in account(run.figures)

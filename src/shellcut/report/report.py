@@ -15,8 +15,9 @@ from shellcut.results.answers import answers
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.cut_quality import LABELS, cut_quality
 from shellcut.results.cut_quality import UNITS as CUT_UNITS
+from shellcut.results.ending import conclusion
 from shellcut.results.measured_curve import MeasuredCurve
-from shellcut.results.summary_figures import conclusion, key_figures
+from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line, verdict
 from shellcut.unit import LIBRARY_UNITS, in_unit, shown, with_unit
 from shellcut.view import edge_length
@@ -92,7 +93,7 @@ def _lead(run: Gathered) -> str:
         end = run.figures.get(f"{name}_end_{unit}", results.history[name][-1])
         parts.append(f"up to {name} {with_unit(end, unit)}")
     parts.append(f"{results.n_frame} frames")
-    kept = "What the run has said keeps mm, N and s; its pictures keep the units they bear."
+    kept = "Lines of the run keep mm, N and s; its pictures keep the units written in them."
     converted = any(shown(unit)[1] != 1.0 for unit in LIBRARY_UNITS.values())
     return ", ".join(parts) + "." + (f" {kept}" if converted else "")
 
@@ -112,7 +113,7 @@ def _sections(run: Gathered) -> dict[str, str]:
         "In three dimensions": lambda: pictures.scene(run),
         "Crack map": lambda: pictures.crack_map(run),
         "Quality of the cut": lambda: _quality(run),
-        "Figures": lambda: _figures(run),
+        "Values": lambda: _figures(run),
         "What was run": lambda: _what_was_run(run),
         "Versions": versions,
     }
@@ -160,7 +161,7 @@ def _quality(run: Gathered) -> str:
     """Return the quality of the cut at a few frames."""
     frames = run.frames(_N_QUALITY)
     if not frames:
-        return missing("No figures of the cut: there are no frames.")
+        return missing("The quality of the cut is unknown: there are no frames.")
     rows = [cut_quality(frame).figures() for frame in frames]
     coordinate, (unit, along) = frames[0].coordinate_name, shown(frames[0].coordinate_unit)
     # Give units once per row, so that the numbers fit beside each other on a phone.

@@ -1,7 +1,7 @@
 """What a run says to the questions of those who design a cap, a blade or a film.
 
-Each answer comes from ``summary.json``: a mean with its ±, a peak as the one sample that it is, or
-the reason why the run does not say. docs/howto/read-results.md lists them.
+Each answer comes from ``summary.json``: a mean with its ±, a peak as the single sample that it is,
+or the reason why the run does not say. docs/howto/read-results.md lists them.
 """
 
 from __future__ import annotations
@@ -39,21 +39,27 @@ def answers(summary: Summary) -> list[tuple[str, str]]:
 
 def _level(summary: Summary, name: str, asked: str) -> Iterator[tuple[str, str]]:
     """Yield the mean of a torque or force over the steady window, and its peak."""
-    unit = "Nmm" if name == "torque" else "N"
-    mean, peak = f"{name}_plateau_{unit}", f"{name}_peak_{unit}"
-    said = []
-    if mean in summary:
-        said.append(f"{said_of(mean, summary)} on average over {window_of(summary)}")
-    if peak in summary:
-        places = (f"{name}_peak_at_{along}" for along in ("deg", "mm"))
-        at = next((f", at {with_unit(p, summary[p])}" for p in places if p in summary), "")
-        said.append(f"at most {with_unit(peak, summary[peak])}{at}")
+    said = levels(summary, name)
     if not said:
         return
     if why := summary.get("no_window"):
         said.append(f"no mean: {why}")
-    doubtful = {mean, peak} & {*distrusted_figures(summary)}
-    yield asked, "; ".join(said) + (" (distrust it, the mesh decides it)" if doubtful else "")
+    doubtful = any(one.startswith(name) for one in distrusted_figures(summary))
+    yield asked, "; ".join(said) + (" (doubtful: it depends on the mesh)" if doubtful else "")
+
+
+def levels(summary: Summary, name: str) -> list[str]:
+    """Return the mean of a torque or force over the steady window, and its peak."""
+    unit = "Nmm" if name == "torque" else "N"
+    mean, peak = f"{name}_plateau_{unit}", f"{name}_peak_{unit}"
+    said = []
+    if mean in summary:
+        said.append(f"{said_of(mean, summary)} (mean over {window_of(summary)})")
+    if peak in summary:
+        places = (f"{name}_peak_at_{along}" for along in ("deg", "mm"))
+        at = next((f", at {with_unit(p, summary[p])}" for p in places if p in summary), "")
+        said.append(f"at most {with_unit(peak, summary[peak])}{at}")
+    return said
 
 
 def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:
@@ -70,12 +76,12 @@ def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:
     each = "" if len(numbers) == 1 else " each"
     yield (
         "piercing",
-        f"{who} pierced whole film with {force}{each}, {depth} deep, the tool's work being {work}",
+        f"{who} pierced whole film with {force}{each}, {depth} deep, after {work} of work",
     )
 
 
 def _range(summary: Summary, keys: list[str]) -> str:
-    """Return the least and the largest of some figures."""
+    """Return the least and the largest of some values."""
     ascending = sorted(keys, key=lambda key: float(summary[key]))
     low, high = (with_unit(key, summary[key]) for key in (ascending[0], ascending[-1]))
     return low if low == high else f"{low} to {high}"
@@ -107,7 +113,7 @@ def _flanks(summary: Summary) -> Iterator[tuple[str, str]]:
 
 
 def _sharpness(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield what the cutting edge's radius means for its cables, if the law tells it."""
+    """Yield what the cutting edge's radius means for its cables, if the law has it."""
     if "blunt_radius_mm" not in summary:
         return
     radius, blunt, energy = (

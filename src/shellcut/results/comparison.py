@@ -1,4 +1,4 @@
-"""Comparison of a run with a measured curve: its figures, defined in docs/howto/compare.md.
+"""Comparison of a run with a measured curve: its values, defined in docs/howto/compare.md.
 
 Both curves are piecewise linear, m(x) through the measured points and s(x) through the rows of the
 history. A ``window`` replaces s(x) by its mean over [x - h, x + h], with h half the window or the
@@ -43,7 +43,7 @@ _Ratio: TypeAlias = Annotated[float, "-"]
 
 
 class Row(NamedTuple):
-    """A figure as text; cells are empty if a curve has no such figure."""
+    """A value as text; cells are empty if a curve has no such value."""
 
     name: str
     unit: str
@@ -57,7 +57,7 @@ class Row(NamedTuple):
 class Comparison:
     """A run and a measured curve on their common range; built by :func:`compare`.
 
-    The annotation of a figure says in which of its units it is. Ratios are fractions; they are nan
+    The annotation of a value says in which of its units it is. Ratios are fractions; they are nan
     if their reference is zero.
 
     Examples
@@ -149,7 +149,7 @@ class Comparison:
         return f"{self.x_name} {a:.4g} to {b:.4g}{x}, {len(self.x)} points{smoothed}"
 
     def rows(self) -> list[Row]:
-        """Return the figures as texts."""
+        """Return the values as texts."""
         c, x, y = self, self.x_unit, self.y_unit
         shift = c.peak_at_simulated - c.peak_at_measured
         both: list[tuple[str, str, float, float, str | float]] = [
@@ -179,7 +179,7 @@ class Comparison:
         ]
 
     def to_json(self, path: str | os.PathLike[str]) -> Path:
-        """Write the figures, each as ``{"value", "unit"}``, and both curves; return the path.
+        """Write the values, each as ``{"value", "unit"}``, and both curves; return the path.
 
         Values that are not finite are written as null.
         """

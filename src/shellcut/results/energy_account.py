@@ -1,6 +1,6 @@
-"""Where the work of a run went: one account, of the ledger's entries or of the history's columns.
+"""Where the work of a run went: the energy balance, of entries or of the history's columns.
 
-docs/theory/energy.md names its parts. They are linear in the entries, so the account of a stretch
+docs/theory/energy.md names its parts. They are linear in the entries, so the balance of a part
 of the run is that of the differences between its ends. Ledger, ``summary.json``, verdict, curves,
 report and the table at the end of a run all take their parts and sums from here.
 """
@@ -22,10 +22,10 @@ Energy = TypeVar("Energy", float, Floats)
 
 
 class Part(NamedTuple):
-    """A part of the account."""
+    """A part of the energy balance."""
 
     name: str
-    """Its figure in ``summary.json`` is NAME_Nmm."""
+    """Its value in ``summary.json`` is NAME_Nmm."""
     words: str
     entries: tuple[str, ...]
     """Of :class:`shellcut.simulation.ledger.Ledger`, columns of ``history.csv``; their sum."""
@@ -77,7 +77,7 @@ IMBALANCE = Part("imbalance", "imbalance", ("imbalance",))
 # maximum: at first touch there is almost no work to compare with.
 _COMPARED_FROM = 0.1
 
-# Smallest share of the account that is shown.
+# Smallest share that is shown.
 _SHOWN = 5e-4
 
 
@@ -97,9 +97,9 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
 
 
 def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
-    """Return the account as figures of ``summary.json`` [N·mm], with what contact holds and loses.
+    """Return the balance as values of ``summary.json`` [N·mm], with what contact stores and loses.
 
-    What is zero is left out. A film that blew up has no account: one entry that is not finite
+    What is zero is left out. A film that blew up has no balance: one entry that is not finite
     leaves nothing to compare with.
     """
     figures = {part.name: part.of(entries) for part in (*PUT_IN, *TAKEN_UP)}
@@ -114,12 +114,12 @@ def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
 
 
 def growth_figure(part: Part) -> str:
-    """Return the figure that is a part's share of what was put in over the steady window."""
+    """Return the value that is a part's share of what was put in over the steady window."""
     return f"{'stored' if part is STORED else part.name}_growth_rel"
 
 
 def growth_shares(history: Mapping[str, Floats], first: int, last: int) -> dict[str, float]:
-    """Return what has become of all that was put in from one row to another, by figures.
+    """Return what has become of all that was put in from one row to another, by values.
 
     With the imbalance the shares make up 1; those that are zero are left out, but for what the film
     stores. Empty where nothing was put in.
@@ -134,7 +134,7 @@ def growth_shares(history: Mapping[str, Floats], first: int, last: int) -> dict[
 
 
 def window_account(figures: Mapping[str, Any]) -> list[Share]:
-    """Return the account of the steady window, without energies; empty without a window."""
+    """Return the balance of the steady window, without energies; empty without a window."""
     if growth_figure(STORED) not in figures:
         return []
     parts = ((part.words, figures.get(growth_figure(part), 0.0)) for part in (*TAKEN_UP, IMBALANCE))
@@ -148,7 +148,7 @@ def never_touched(figures: Mapping[str, Any]) -> bool:
 
 
 class Share(NamedTuple):
-    """A line of the account."""
+    """A line of the energy balance."""
 
     words: str
     energy: float

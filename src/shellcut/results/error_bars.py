@@ -1,11 +1,11 @@
-"""Error bars of a model's figures, from companion runs on other meshes, slower, and by chance.
+"""Error bars of a model's values, from companion runs: other meshes, slower, run-to-run scatter.
 
 docs/howto/converge.md says how a band is made, docs/error-bars.md how often it covers the fine
 answer [Roache1994]. Without a finer mesh a coarser one takes its place, of the ratio q > 1: the
-value is that of f, mesh = abs(f_q - f) / (q - 1). A crack advances by whole edges, so its length is
-known to an edge of the finest mesh at best.
+value is that of f, mesh = abs(f_q - f) / (q - 1). A crack advances by whole sides of quads, so its
+length is known to a side of the finest mesh at best.
 
-The order with which a figure converges is that of f + a h^p through three meshes.
+The order with which a value converges is that of f + a h^p through three meshes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ CONVERGED = "converge"
 
 GIVEN, MESH, SPEED, CHANCE = "", "mesh", "speed", "chance"
 PARTS = (MESH, SPEED, CHANCE)
-SIZE = "edges over those of the model"
+WORDS = {GIVEN: "as given", MESH: "mesh", SPEED: "speed", CHANCE: "scatter"}
+"""Of each part, as shown; the file has the names."""
+SIZE = "element side / element side of the model"
 
 COLOURS = {MESH: 0, SPEED: 4, CHANCE: 2, GIVEN: 6}
 """Of the points of each part, in the palette."""
@@ -42,7 +44,7 @@ _CAP = 0.03
 _LEVEL = 0.95
 _FEWEST = 3  # meshes that show an order
 _HALVED = {
-    MESH: "edges half as long",
+    MESH: "sides half as long",
     SPEED: "half the speed",
     CHANCE: "the mean of four times as many runs",
 }
@@ -54,7 +56,7 @@ _ORDERS = (0.3, 6.0)
 
 @dataclass(frozen=True)
 class ErrorBar:
-    """A figure with its error bar.
+    """A value with its error bar.
 
     Examples
     --------
@@ -71,7 +73,7 @@ class ErrorBar:
     half_width: float
     """95 % of fine answers lie within it."""
     parts: Mapping[str, float]
-    """Half-widths of mesh, speed and chance, as far as there are runs for them."""
+    """Half-widths of mesh, speed and scatter, as far as there are runs for them."""
     order: float | None
     """With which it converges over three meshes."""
     values: tuple[float | None, ...]
@@ -81,7 +83,7 @@ class ErrorBar:
 
     @property
     def name(self) -> str:
-        """Label of the figure."""
+        """Label of the value."""
         return label_of(self.figure)
 
     @property
@@ -97,7 +99,7 @@ class ErrorBar:
 
 @dataclass(frozen=True)
 class Run:
-    """A companion run: its name, the part of the error bar it is for, edges over the model's."""
+    """A companion run: name, part of the error bar, sides of quads over the model's."""
 
     name: str
     part: str
@@ -106,16 +108,16 @@ class Run:
 
 @dataclass(frozen=True)
 class ErrorBars:
-    """The figures of a model with their error bars.
+    """The values of a model with their error bars.
 
     Examples
     --------
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
     >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
-    figure                                              value        ±      mesh     speed    chance
+    result                                             value        ±      mesh     speed   scatter
     force, peak [N]                                      3.10     0.10       0.1         -         -
-    force, peak: the order needs three meshes; most of ± is mesh: edges half as long would leave \
+    force, peak: the order needs three meshes; most of ± is mesh: sides half as long would leave \
 ± 0.05 N
     """
 
@@ -128,7 +130,7 @@ class ErrorBars:
 
     def __str__(self) -> str:
         """Return the table and what is said about it."""
-        lines = [f"{'figure':<46}{'value':>11}{'±':>9}" + "".join(f"{p:>10}" for p in PARTS)]
+        lines = [f"{'result':<46}{'value':>11}{'±':>9}" + "".join(f"{WORDS[p]:>10}" for p in PARTS)]
         for bar in self.bars:
             value, width, *parts = self.cells(bar)
             head = f"{in_unit(bar.name, bar.shown[0]):<46}{value:>11}{width:>9}"
@@ -145,8 +147,8 @@ class ErrorBars:
         return [*(f"{v:.{max(0, digits)}f}" for v in (value, half)), *texts]
 
     def said(self) -> list[str]:
-        """Return how each figure converges and how its bar shrinks, and which part is missing."""
-        missing = (f"{part}: {'; '.join(why)}" for part, why in self.missing.items())
+        """Return how each value converges and how its bar shrinks, and which part is missing."""
+        missing = (f"{WORDS.get(p, p)}: {'; '.join(why)}" for p, why in self.missing.items())
         return [*(self._said_of(bar) for bar in self.bars), *missing]
 
     def _said_of(self, bar: ErrorBar) -> str:
@@ -162,7 +164,9 @@ class ErrorBars:
         less = {**bar.parts, most: 0.5 * bar.parts[most]}
         unit, factor = bar.shown
         left = f"{factor * math.hypot(*less.values()):.2g} {unit}".rstrip()
-        said = f"{bar.name}: {order}; most of ± is {most}: {_HALVED[most]} would leave ± {left}"
+        said = (
+            f"{bar.name}: {order}; most of ± is {WORDS[most]}: {_HALVED[most]} would leave ± {left}"
+        )
         if bar.own is None:
             return said
         own = f"{factor * bar.own:.2g} {unit}".rstrip()
@@ -173,7 +177,7 @@ class ErrorBars:
         write_text(path, json.dumps(asdict(self), indent=1) + "\n")
 
     def diagram(self, bar: ErrorBar) -> Diagram:
-        """Return a figure over the size of the mesh, and its error bar at none."""
+        """Return a value over the size of the mesh, and its error bar at none."""
         x: list[float] = []
         at: list[float] = []
         for k in (-1.0, 0.0, 1.0):  # a line up with a cap at both ends and in the middle
@@ -185,7 +189,7 @@ class ErrorBars:
             points = [(r.size, v) for r, v in each if r.part == part and v is not None]
             if points:
                 sizes, values = zip(*points, strict=True)
-                curves.append(Curve(part or "as given", values, f"p{colour}", x=sizes))
+                curves.append(Curve(WORDS[part], values, f"p{colour}", x=sizes))
         short = bar.name.partition(",")[0]
         return Diagram([0.0], curves, SIZE, "", short, bar.unit, bar.name, zero=False)
 
@@ -208,11 +212,11 @@ def error_bar(
     edge: float = 0.0,
     own: float | None = None,
 ) -> ErrorBar:
-    """Return a figure with its error bar from the companion runs, the model as given first.
+    """Return a value with its error bar from the companion runs, the model as given first.
 
-    The first of its values must be there, others may be None; ``edge`` is the length of the edges
+    The first of its values must be there, others may be None; ``edge`` is the side of the quads
     of the model as given [mm], ``own`` the half-width that its mean has by itself. Runs that differ
-    by chance differ by that, too: it takes their place where there are none, and is never added.
+    by scatter only contain it: it takes their place where there are none, and is never added.
     """
     (_, f), *others = [(r, v) for r, v in zip(runs, values, strict=True) if v is not None]
     meshes = sorted((r.size, v) for r, v in others if r.part == MESH)

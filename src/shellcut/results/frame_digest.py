@@ -1,6 +1,6 @@
 """Digests of the frames in a result file, which reveal damage.
 
-Each frame has two 32-bit CRCs (zlib): one of its row (time, coordinate, figures, pose, counts,
+Each frame has two 32-bit CRCs (zlib): one of its row (time, coordinate, values, pose, counts,
 positions of its arrays, names and units) and one of its arrays. They are computed from the numbers
 as a reader gets them, and so cover everything in between: data, shapes of the columns, and the
 index of their chunks, which HDF5 itself does not protect.

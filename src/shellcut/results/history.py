@@ -71,7 +71,7 @@ def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
 
 @dataclass(frozen=True)
 class Written:
-    """What stands in a history file so far, as a checkpoint remembers it."""
+    """What a history file has so far, as a checkpoint remembers it."""
 
     length: int = 0
     """Bytes of the header and of whole rows."""
@@ -123,7 +123,7 @@ class HistoryWriter:
 
     @property
     def written(self) -> Written:
-        """What stands in the file so far."""
+        """What the file has so far."""
         return Written(self._length, self._digest.hexdigest())
 
     def __enter__(self) -> HistoryWriter:

@@ -225,9 +225,9 @@ def _reversal(x: Floats, sign: float) -> _RunsBack:
     if row < len(x) - 1 and in_order(np.delete(x, row - 1)):
         row -= 1
     alone = in_order(np.delete(x, row))
-    cure = "in this row alone: mend or drop it" if alone else "keep one stroke"
+    cure = "in this row alone: correct or drop it" if alone else "keep one stroke"
     return _RunsBack(
-        f"the coordinate must go one way, but reverses at {sign * x[row]:g}: {cure}", row
+        f"the coordinate must keep its direction, but reverses at {sign * x[row]:g}: {cure}", row
     )
 
 

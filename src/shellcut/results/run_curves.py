@@ -10,12 +10,16 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.view.curves import Curve, Diagram
 
-from .energy_account import PUT_IN, energy_shares, total, trusted_rows
+from .energy_account import PUT_IN, TAKEN_UP, energy_shares, total, trusted_rows
 from .summary_figures import said_of, window_of
 
 # A negative share up to this part of the largest is still drawn as an area: round-off and the half
 # step between work and energy cause it.
 _NEGATIVE_SHARE = 0.01
+
+# Parts of the energy balance, each with a colour that is the same in all pictures.
+_COLOURED = "cables damping strain kinetic contact material_dissipated friction joint_friction"
+_COLOURS = {name: f"a{k}" for k, name in enumerate([*_COLOURED.split(), "self_contact"])}
 
 # Teeth whose curves differ by less than this part of the largest value are drawn as one.
 _ALIKE = 0.01
@@ -28,7 +32,7 @@ def resistance_diagram(
 ) -> Diagram:
     """Return torque or force over the coordinate: in total, in parts and of each tooth.
 
-    With the figures of the run its mean over the steady window is drawn, if there is one.
+    With the values of the run its mean over the steady window is drawn, if there is one.
     """
     _, x, name, *_ = history
     teeth = [column for column in history if column.startswith(f"{name}_tooth_")]
@@ -58,16 +62,17 @@ def resistance_diagram(
 def energy_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
     """Return what the work put in has become.
 
-    The energies are stacked, so that their upper rim meets the line of the work if the ledger
-    closes. If one of them is clearly negative they are lines instead.
+    The energies are stacked, so that their upper border meets the line of the work if the
+    energies balance. If one of them is clearly negative they are lines instead.
     """
     x = list(history)[1]
     shares = energy_shares(history)
     largest = max((float(np.abs(share).max()) for share in shares.values()), default=0.0)
     stacked = all(share.min() >= -_NEGATIVE_SHARE * largest for share in shares.values())
     curves = [
-        Curve(name, share, f"a{k % 8}", area=stacked)
-        for k, (name, share) in enumerate(shares.items())
+        Curve(part.words, shares[part.words], _COLOURS[part.name], area=stacked)
+        for part in TAKEN_UP
+        if part.words in shares
     ]
     curves.append(Curve("work put in", total(PUT_IN, history), "work"))
     return Diagram(history[x], curves, x, units[x], "energy", "N*mm", height=3.0)

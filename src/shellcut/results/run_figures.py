@@ -1,4 +1,4 @@
-"""The figures of a run that its history holds: one account, for summary, verdict and report."""
+"""The values of a run that its history holds: the same for summary, verdict and report."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def run_figures(
     end: Mapping[str, float] | None = None,
     splits: Iterable[SplitRecord] = (),
 ) -> dict[str, float | str]:
-    """Return the figures by their names in ``summary.json``; those not finite are left out.
+    """Return the values by their names in ``summary.json``; those not finite are left out.
 
     Coordinate and resistance are name and unit; ``end`` has the history's columns at the end of the
     run, by default its last row.

@@ -44,7 +44,7 @@ _IN_CARD = "_plateau_|_peak_[A-Z]|^crack_length|_end_|^tool_work|^n_loose"
 
 
 class FrameFigures(dict[str, Floats]):
-    """Figures over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
+    """Values over the frames by name, arrays of shape (n_frame,); ``units`` by the same names."""
 
     def __init__(self, columns: dict[str, Floats], units: dict[str, str]) -> None:
         super().__init__(columns)
@@ -52,7 +52,7 @@ class FrameFigures(dict[str, Floats]):
 
 
 class Results:
-    """A run's history, frames and figures; built by :func:`read`.
+    """A run's history, frames and values; built by :func:`read`.
 
     It is a snapshot of the folder: for a run in progress, read again to see more.
     """
@@ -203,7 +203,7 @@ class Results:
         return path
 
     def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
-        """Draw the energy ledger; return the picture's path, by default ``energy.png``.
+        """Draw the energy balance; return the picture's path, by default ``energy.png``.
 
         The imbalance is in per cent of the tool's work, from a tenth of the largest work.
 
@@ -283,7 +283,7 @@ def summary_in(folder: Path) -> dict[str, Any]:
         where = f"line {problem.lineno}, column {problem.colno}"
         raise ValueError(f"{path}, {where}: must be JSON, but {problem.msg}") from None
     if not isinstance(found, dict):
-        raise ValueError(f"{path} must hold figures by name, got {type(found).__name__}")
+        raise ValueError(f"{path} must have values by name, got {type(found).__name__}")
     return found
 
 

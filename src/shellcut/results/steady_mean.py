@@ -1,6 +1,6 @@
 r"""Mean of a correlated series with its own ±, and a test for drifts and jumps.
 
-A force f(s) over a way of length L has the integral W(s), known in some rows and linear between
+A force f(s) over a path of length L has the integral W(s), known in some rows and linear between
 them. Its mean is F = (W(L) - W(0))/L. Its components along cosines,
 
     Λ_j = (√2/L) ∫ f cos(π j s/L) ds,    j = 1 .. n,
@@ -73,9 +73,9 @@ def n_cosine(pieces: float) -> int:
 
 
 def mean_of(way: Floats, integral: Floats, pieces: float) -> Mean:
-    """Return the mean of a series, from its integral (n_row,) over the way (n_row,).
+    """Return the mean of a series, from its integral (n_row,) over the path (n_row,).
 
-    The way is ``pieces`` times as long as the memory of the series.
+    The path is ``pieces`` times as long as the memory of the series.
     """
     n = n_cosine(pieces)
     ends = float(way[-1] - way[0])
@@ -122,7 +122,7 @@ def _components(way: Floats, integral: Floats, n: int) -> Floats:
 
 
 def _jump(way: Floats, integral: Floats, margin: float) -> Change:
-    """Return the jump of least squares, at this share of the way or more from both ends."""
+    """Return the jump of least squares, at this share of the path or more from both ends."""
     along, grown = (c - c[0] for c in (way, integral))
     r = along / along[-1]
     inner = np.flatnonzero((r >= margin) & (r <= 1.0 - margin))

@@ -45,7 +45,7 @@ UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
 """Start of the column names, before the number of the edge; all in mm."""
 
 INTEGRAL = "_integral"
-"""End of the column of a figure's integral over the angle in rad or way in mm, the sum over every
+"""End of the column of a value's integral over the angle in rad or path in mm, the sum over every
 step."""
 
 WAY = "way"
@@ -109,7 +109,7 @@ def steady_figures(
     resistance: tuple[str, str],
     between: Range | None = None,
 ) -> dict[str, float | str]:
-    """Return the figures of a run in its steady window, by names that include the units.
+    """Return the values of a run in its steady window, by names that include the units.
 
     These are the window, the mean of the resistance (and of the axial force), the work of cables
     and of tool or supports per radian or millimetre, each with its half-width
@@ -214,7 +214,7 @@ def _way(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> Floats:
 
 
 def _resistance_sum(history: Mapping[str, Floats]) -> Floats:
-    """Return the integral of torque or force over the way, shape (n_row,)."""
+    """Return the integral of torque or force over the path, shape (n_row,)."""
     sums = [history[one + INTEGRAL] for one in ("torque", "force") if one + INTEGRAL in history]
     return sums[0] if sums else driving_work(history)
 

@@ -1,4 +1,4 @@
-"""Labels and units of the figures in ``summary.json``."""
+"""Labels and units of the values in ``summary.json``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _STEADY = " over {window}"
 """Placeholder for the steady window in a label."""
 
 LABELS = {
-    "doubts": "checks that distrust the run",
+    "doubts": "doubts about the run",
     "torque_plateau_Nmm": f"torque, mean{_STEADY}",
     "torque_peak_Nmm": "torque, peak",
     "torque_peak_at_deg": "torque, peak at",
@@ -37,13 +37,13 @@ LABELS = {
     "crack_length_mm": "crack length",
     "angle_end_deg": "angle at the end",
     "path_end_mm": "path at the end",
-    "way_end_mm": "way at the end",
+    "way_end_mm": "path of the supports at the end",
     **{f"{part.name}_Nmm": part.words for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)},
     "cohesive_work_Nmm": "work of the cables",
     "cohesive_dissipated_Nmm": "dissipated by the cables",
     "cohesive_stored_Nmm": "stored in the cables",
-    "contact_stored_Nmm": "contact, held by its springs",
-    "contact_lost_Nmm": "contact, lost in impacts and where it lets go",
+    "contact_stored_Nmm": "contact, stored in its springs",
+    "contact_lost_Nmm": "contact, lost in impacts and where it opens",
     "self_contact_lost_Nmm": "contact of the film with itself, lost in impacts",
     "friction_dissipated_Nmm": "friction, dissipated by slip",
     "dWcoh_dtheta_Nmm": f"cables' work per radian{_STEADY}",
@@ -54,7 +54,7 @@ LABELS = {
     "loose_area_mm2": "largest loose piece, area",
     "n_cable_created": "cables made",
     "n_tear": "tears, cuts that no cutting edge drives",
-    "tear_off_path_mm": "tears, off the path of the cutting edges at most",
+    "tear_off_path_mm": "tears, largest distance from the path",
     "n_cable_jointed": "cables met by the blade",
     "n_cable_broken": "cables broken",
     "n_split": "splits",
@@ -64,19 +64,19 @@ LABELS = {
     "ns_per_quad_step": "computing time per quad and step",
     "wall_s": "computing and output time",
     "pictures_s": "drawing time",
-    "imbalance_rel": "largest imbalance of the energies, of the work",
+    "imbalance_rel": "largest error of the energy balance, of the work",
     "kinetic_rel": "largest kinetic energy, of the work",
-    "quasi_static": "kinetic energy that the pace allows, over the work",
-    "n_stop": "stops of the film by the pace",
+    "quasi_static": "kinetic energy allowed by quasi_static, over the work",
+    "n_stop": "stops of the film by quasi_static",
     "added_inertia_factor": "scale of the rotary inertia",
     "n_imperfection": "number of the film's imperfection",
     "imperfection_mm": "bound of the film's imperfection",
     "deepest_penetration_mm": "deepest node in the tool",
     "tool_half_thickness_mm": "tool, half thickness",
     "self_contact_deepest_mm": "deepest point of the film in the film",
-    "n_self_contact_looked": "looks at points for contact of the film with itself",
+    "n_self_contact_looked": "searches for contact of the film with itself",
     "unfelt_penetration_mm": "deepest tool between nodes, without contact",
-    "unfelt_film_edge_mm": "deepest rim or flank in the tool, without contact",
+    "unfelt_film_edge_mm": "deepest border or flank in the tool, without contact",
     "edge_radius_mm": "cutting edge, radius",
     "severing_energy_N_per_mm": "energy at which the edge severs cables",
     "severing_opening_mm": "their length there",
@@ -86,7 +86,7 @@ LABELS = {
     "largest_overshoot_mm": "largest overshoot of the edge past a cable",
     "n_recovery_borrowed": "stresses taken from a neighbour's patch",
 }
-"""Label of each figure, in the order shown; the unit is in its name."""
+"""Label of each value, in the order shown; the unit is in its name."""
 
 # Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
@@ -104,10 +104,10 @@ _OF_TEETH = tuple(f"piercing_{one}" for one in ("force_1_N", "depth_1_mm", "work
 def key_figures(
     summary: Mapping[str, Any], names: Iterable[str] | None = None
 ) -> list[tuple[str, str]]:
-    """Return label and value with unit of the named figures that are there.
+    """Return label and value with unit of the named values that are there.
 
     By default of all but those that the verdict has: the known ones in order, then others by name.
-    A mean comes with its ±. Labels of figures that the verdict distrusts one by one say so.
+    A mean has its ±. Labels of values that the verdict distrusts one by one say so.
     """
     if names is None:
         elsewhere = _ELSEWHERE | {half_width_of(key) for key in summary}
@@ -118,35 +118,6 @@ def key_figures(
         for n in names
         if n in summary
     ]
-
-
-def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
-    """Return what a run found, and whether a check speaks against it, in one sentence.
-
-    Examples
-    --------
-    >>> conclusion({"force_peak_N": 3.2, "crack_length_mm": 4.0}, n_doubt=1)
-    'A crack of 4 mm takes a force of 3.2 N at most; 1 check speaks against it.'
-    """
-    crack, takes = summary.get("crack_length_mm", 0.0), []
-    for key in summary:
-        name, _, which = key.rpartition("_")[0].partition("_")
-        if name in ("torque", "force") and which in ("plateau", "peak"):
-            over = f"on average over {window_of(summary)}"
-            mean = over if which == "plateau" else "at most"
-            takes.append((which, f"{said_of(key, summary)} {mean}", name))
-    if not takes:
-        return ""
-    what = f"A crack of {with_unit('crack_mm', crack)}" if crack else "Moving the film"
-    trust = "no check failed"
-    if n_doubt:
-        trust = f"{n_doubt} checks speak" if n_doubt > 1 else "1 check speaks"
-        trust += " against it"
-    if doubtful := distrusted_figures(summary):
-        names = dict.fromkeys(label_of(n).partition(",")[0] for n in doubtful)
-        trust += f"; distrust the {', '.join(names)}"
-    amounts = " and ".join(amount for _, amount, _ in sorted(takes, reverse=True))
-    return f"{what} takes a {takes[0][2]} of {amounts}; {trust}."
 
 
 def window_of(summary: Mapping[str, Any]) -> str:
@@ -160,7 +131,7 @@ def window_of(summary: Mapping[str, Any]) -> str:
 
 
 def with_unit(key: str, value: Any) -> str:
-    """Return a figure of ``summary.json`` with the unit at the end of its name, as shown."""
+    """Return a value of ``summary.json`` with the unit at the end of its name, as shown."""
     if isinstance(value, float):
         factor, unit = (100.0, "%") if key.endswith("_rel") else (1.0, unit_of(key))
         return number_with_unit(factor * value, unit)
@@ -168,7 +139,7 @@ def with_unit(key: str, value: Any) -> str:
 
 
 def said_of(key: str, figures: Mapping[str, Any]) -> str:
-    """Return one of some figures with its unit, a mean also with its ±.
+    """Return one of some values with its unit, a mean also with its ±.
 
     Examples
     --------
@@ -182,14 +153,14 @@ def said_of(key: str, figures: Mapping[str, Any]) -> str:
 
 
 def unit_of(key: str) -> str:
-    """Return the unit at the end of a figure's name; "" for a pure number."""
+    """Return the unit at the end of a value's name; "" for a pure number."""
     return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
 
 
 def figure_name(name: str, figures: Mapping[str, Any]) -> str:
-    """Return the full name of a figure, which may be given without its unit or in a report's words.
+    """Return the full name of a value, which may be given without its unit or in a report's words.
 
-    Raises ValueError if no figure that is a number has this name.
+    Raises ValueError if no value that is a number has this name.
 
     Examples
     --------
@@ -204,11 +175,11 @@ def figure_name(name: str, figures: Mapping[str, Any]) -> str:
         return spelled[asked]
     close = difflib.get_close_matches(asked, spelled, n=1)
     hint = f"; did you mean {spelled[close[0]]}?" if close else listed(numbers)
-    raise ValueError(f"there is no figure {name}{hint}")
+    raise ValueError(f"there is no value {name}{hint}")
 
 
 def known_figure(name: str, more: Iterable[str] = ()) -> str:
-    """Return the full name of a figure that runs may have, or one of ``more``.
+    """Return the full name of a value that runs may have, or one of ``more``.
 
     Raises ValueError if there is none.
     """
@@ -219,7 +190,7 @@ def known_figure(name: str, more: Iterable[str] = ()) -> str:
 
 
 def _spellings(key: str) -> set[str]:
-    """Return a figure's name, that without its unit, and its words in the reports."""
+    """Return a value's name, that without its unit, and its words in the reports."""
     bare = key.removesuffix(next((ending for ending in _UNITS if key.endswith(ending)), ""))
     words = {key, bare, label_of(key, ""), OF_THE_CUT.get(key, "")}
     if key.startswith("n_"):
@@ -232,7 +203,7 @@ def _plain(name: str) -> str:
 
 
 def label_of(key: str, window: str = "the steady window") -> str:
-    """Return the label of a figure; ``window`` says over what a mean is taken."""
+    """Return the label of a value; ``window`` says over what a mean is taken."""
     if key in LABELS:
         return LABELS[key].format(window=window)
     ending = next((ending for ending in _UNITS if key.endswith(ending)), "")

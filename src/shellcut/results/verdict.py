@@ -1,7 +1,7 @@
-"""The verdict: how far the results of a run can be trusted, from the figures of its summary.
+"""The verdict: how far the results of a run can be trusted, from the values of its summary.
 
 Report, ``run.log``, ``summary.json`` and the end of the terminal's output all contain these lines.
-To judge a new figure, write a function that yields its line and add it to ``_JUDGES``.
+To judge a new value, write a function that yields its line and add it to ``_JUDGES``.
 """
 
 from __future__ import annotations
@@ -54,26 +54,26 @@ class Line:
     @property
     def word(self) -> str:
         """The word before the sentence."""
-        return {"good": "holds", "doubt": "distrust", "note": "note"}[self.kind]
+        return {"good": "ok", "doubt": "distrust", "note": "note"}[self.kind]
 
     def __str__(self) -> str:
         return f"{self.word}: {self.text}"
 
 
 Figures = Mapping[str, Any]
-"""Figures of ``summary.json``, by their names there."""
+"""Values of ``summary.json``, by their names there."""
 
 
 def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
-    """Return a sentence for every figure that bears on trust in the results, doubts first.
+    """Return a sentence for every value that bears on trust in the results, doubts first.
 
-    The figures are those of ``summary.json``; missing ones are skipped. The doubts are about the
+    The values are those of ``summary.json``; missing ones are skipped. The doubts are about the
     model before the run.
 
     Examples
     --------
     >>> print(verdict({"imbalance_rel": 0.0002})[0])
-    holds: The energies balance: the ledger misses up to 0.02 % of the tool's work (limit 1 %).
+    ok: The energies balance: the error is at most 0.02 % of the tool's work (limit 1 %).
     """
     lines = [Line("doubt", f"Before the run: {text}") for text in doubts]
     lines += [line for judge in _JUDGES for line in judge(figures)]
@@ -81,9 +81,9 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
         lines.append(
             Line(
                 "note",
-                "No figure proves that the crack took the right path"
+                "No value shows whether the crack took the right path"
                 + (", which follows the sides of the quads" if "n_copy" not in figures else "")
-                + ": look at the picture (docs/limits.md).",
+                + ": look at the pictures (docs/limits.md).",
             )
         )
     order = {"doubt": 0, "good": 1, "note": 2}
@@ -125,7 +125,7 @@ _REMEDIES: dict[str, tuple[str, Callable[[Figures], bool]]] = {
     "smaller step": ("a smaller time.safety", lambda o: not o["fixed_step"]),
     "smaller fixed step": ("a smaller time.fixed", lambda o: o["fixed_step"]),
 }
-"""Words of each remedy, and whether a run with these figures and options could still take it."""
+"""Words of each remedy, and whether a run with these values and options could still take it."""
 _SLOWER = "slower", "smaller share"
 """Of which one is left."""
 _SMALLER_STEP = "smaller step", "smaller fixed step"
@@ -135,8 +135,8 @@ _SMALLER_STEP = "smaller step", "smaller fixed step"
 def _remedies(figures: Figures, *names: str) -> str:
     """Return a sentence with those of some remedies that are left, after a space; "" for none.
 
-    A remedy is named only if the run has it not yet. What the checks before a run have found (no
-    row of edges under the path, held nodes on it, a blunt back that presses) has its remedy there.
+    A remedy is named only if the run does not use it yet. The checks before a run name the remedies
+    of what they find.
     """
     options = {**figures, **figures.get("options", {})}
     texts = []
@@ -151,7 +151,7 @@ def _remedies(figures: Figures, *names: str) -> str:
 
 
 def _judged(within: bool, good: str, bad: str, figure: str, limit: str, remedy: str = "") -> Line:
-    """Return conclusion, figure and limit; if the figure is not within it, what to do."""
+    """Return conclusion, value and limit; if the value is not within it, what to do."""
     if within:
         return Line("good", f"{good}: {figure} (limit {limit}).")
     return Line("doubt", f"{bad}: {figure} (limit {limit}).{remedy}")
@@ -171,7 +171,7 @@ def _percent(share: float, limit: float = float("nan")) -> str:
 def _of_work(figures: Figures, share: float, limit: float) -> str:
     tool, supports = (f"{name}_Nmm" in figures for name in DRIVERS)
     who = "supports' work" if supports else "tool's work"
-    if supports and (tool or _is_of_a_tool(figures)):
+    if supports and (tool or is_of_a_tool(figures)):
         who = "work of tool and supports"
     return f"{_percent(share, limit)} of the {who}"
 
@@ -182,7 +182,8 @@ def _share_of_work(figures: Figures, name: str) -> float | None:
     return figures.get(name, 0.0) / work if work > 0.0 else None
 
 
-def _is_of_a_tool(figures: Figures) -> bool:
+def is_of_a_tool(figures: Figures) -> bool:
+    """Whether a run has a tool."""
     # a tool at rest, against which supports move the film, does no work
     return "tool_work_Nmm" in figures or "deepest_penetration_mm" in figures
 
@@ -195,7 +196,7 @@ def _ledger(figures: Figures) -> Iterator[Line]:
         abs(missed) <= IMBALANCE_LIMIT,
         "The energies balance",
         "No force or energy of this run can be trusted, because the energies do not balance",
-        f"the ledger misses up to {_of_work(figures, missed, IMBALANCE_LIMIT)}",
+        f"the error is at most {_of_work(figures, missed, IMBALANCE_LIMIT)}",
         _percent(IMBALANCE_LIMIT),
         _remedies(figures, *_SMALLER_STEP),
     )
@@ -215,14 +216,16 @@ def _stopped(figures: Figures) -> Iterator[Line]:
     if figures.get("broke_off", False):
         yield Line(
             "doubt",
-            f"The run broke off within a step, at {at}: the verdict is on the results before that; "
+            f"The run failed within a step, at {at}: these lines are about the results before; "
             "the message at its end gives the reason.",
         )
     else:
-        yield Line("note", f"The run was stopped at {at}: the verdict is on its results so far.")
+        yield Line(
+            "note", f"The run was stopped at {at}: these lines are about its results so far."
+        )
     if _not_come_far(figures):
         yield Line(
-            "note", "No cable had broken by then: kinetic energy and damping are not judged yet."
+            "note", "No cable had broken by then, so kinetic energy and damping are not judged."
         )
 
 
@@ -233,7 +236,7 @@ def _inertia(figures: Figures) -> Iterator[Line]:
     most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
     bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
     if figures.get("options", {}).get("unheld"):
-        bad, remedy = "Nothing holds the film, or a piece of it, so that its inertia", ""
+        bad, remedy = "The film, or a piece of it, is not supported, so that its inertia", ""
     yield _judged(
         abs(kinetic) <= most,
         "The motion is slow enough",
@@ -254,11 +257,11 @@ def _piercing(figures: Figures) -> Iterator[Line]:
     slower = math.ceil(11.0 * math.sqrt(share / limit)) / 10.0
     yield _judged(
         delay <= DELAY_LIMIT,
-        "Tips pierce the film at what it carries, not at the impacts of its nodes",
+        "Force and depth at the first piercing do not depend on impacts of the film's nodes",
         "Depth and work at the first piercing are not those of a slow tip, because impacts of the "
         "film's nodes are large",
-        f"the force on a tip is a mean over {_percent(delay, DELAY_LIMIT)} of the time for which "
-        "it had pressed",
+        "the force on a tip is averaged over a time that is up to "
+        f"{_percent(delay, DELAY_LIMIT)} of the time for which the tip pressed",
         _percent(DELAY_LIMIT),
         f" Use a motion that is {slower:.1f} times slower, or a finer film near the tips.",
     )
@@ -270,8 +273,8 @@ def _damping(figures: Figures) -> Iterator[Line]:
         return
     yield _judged(
         abs(damping) <= DAMPING_LIMIT,
-        "Damping takes little",
-        "Force or torque is too high by what damping takes from film that springs open",
+        "Damping is small",
+        "Force or torque is too high by the work of damping, because film springs open",
         _of_work(figures, damping, DAMPING_LIMIT),
         _percent(DAMPING_LIMIT),
         _remedies(figures, "shorter sides", *_SLOWER, "damping"),
@@ -280,20 +283,20 @@ def _damping(figures: Figures) -> Iterator[Line]:
 
 def _contact(figures: Figures) -> Iterator[Line]:
     contact = _share_of_work(figures, "contact_Nmm")
-    if contact is None or not _is_of_a_tool(figures):
+    if contact is None or not is_of_a_tool(figures):
         return
     held, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
     did, limit, cures = "took", CONTACT_LIMIT, ["finer", *_SMALLER_STEP]
-    bad = "Contact takes too much, lost where film hits the tool or springs off it"
+    bad = "Contact loses too much energy where film hits the tool or springs off it"
     if contact < 0.0:
         did, limit = "gave the film", GIVEN_LIMIT
-        bad = "Contact makes energy from nothing, because film hit the tool too fast for a step"
+        bad = "Contact creates energy, because film hit the tool too fast for the time step"
     elif held > lost:
-        bad = "Contact takes too much, held by its springs: film presses hard on the tool"
+        bad = "Contact stores too much energy in its springs, because film presses hard on the tool"
         cures = ["finer", "penalty"]
     yield _judged(
         abs(contact) <= limit,
-        "Contact takes little",
+        "Contact takes little work",
         bad,
         f"it {did} {_of_work(figures, abs(contact), limit)}, friction not counted",
         _percent(limit),
@@ -326,7 +329,7 @@ def _penetration(figures: Figures) -> Iterator[Line]:
         depth <= limit,
         "The tool pushes the film aside by its full thickness",
         "The tool pushes the film aside by less than its thickness",
-        f"nodes are up to {_beside(depth, limit)} mm deep in the tool",
+        f"nodes of the film are up to {_beside(depth, limit)} mm deep in the tool",
         f"{limit:.3g} mm, a quarter of {half:.3g} mm, the tool's volume over its surface",
         _remedies(figures, "finer", "penalty"),
     )
@@ -341,7 +344,7 @@ def _unfelt(figures: Figures) -> Iterator[Line]:
         abs(depth) <= limit,
         "The film resists the tool between its nodes, too",
         "The film does not resist the tool between its nodes",
-        f"the tool is up to {_beside(depth, limit)} mm deep in quads that do not push back",
+        f"the tool is up to {_beside(depth, limit)} mm deep in quads where no node feels it",
         f"{limit:.3g} mm, half the side of a quad",
         _remedies(figures, "finer"),
     )
@@ -353,8 +356,8 @@ def _unfelt_edges(figures: Figures) -> Iterator[Line]:
     if depth > limit:
         yield Line(
             "note",
-            "Rims or flanks of the film are not pushed aside where they cross the tool between "
-            f"their nodes: they go up to {_beside(depth, limit)} mm into it (limit "
+            "Borders or flanks of the film are not pushed aside where they cross the tool between "
+            f"their nodes: they are up to {_beside(depth, limit)} mm deep in it (limit "
             f"{limit:.3g} mm, half of the film's thickness)."
             + _remedies(figures, "film edges", "finer"),
         )
@@ -365,19 +368,29 @@ def _stiff_flanks(figures: Figures) -> Iterator[Line]:
         side, bent = figures["path_edge_mm"], figures["bending_length_mm"]
         yield Line(
             "note",
-            "Distrust the axial force: it depends on the mesh. The quads along the cut have sides "
-            f"of {side:.3g} mm, and the film folds beside the tool only if they are {bent:.3g} mm "
-            "or shorter; else its flanks press on the tool (contact.film_edges). The error is a "
-            "force that changes with the phase of the cut, not a factor: in the opening test on "
-            "quick and M1 (sides of 0.82 and 0.4 mm) the axial forces go from 2.4 to -1.8 N and "
-            "differ by 0.1 to 1.1 N. If you need it: compare finer films (shellcut converge).",
+            "The axial force is doubtful, because it depends on the mesh: the quads along the cut "
+            f"have sides of {side:.3g} mm (limit {bent:.3g} mm). On longer sides the film cannot "
+            "fold beside the tool, and its flanks press on the tool (contact.film_edges). The "
+            "error changes during the cut: in the opening test on quick and M1 (sides of 0.82 and "
+            "0.4 mm) the axial force is between -1.8 and 2.4 N, and the two differ by 0.1 to "
+            "1.1 N. If you need this force, compare finer films (shellcut converge).",
         )
 
 
-def distrusted_figures(figures: Figures) -> tuple[str, ...]:
-    """Return the names of single figures that the mesh decides, while the others may be right.
+def single_doubts(figures: Figures) -> list[Line]:
+    """Return the notes on single values that are doubtful, while the others may be right."""
+    return [*_stiff_flanks(figures)]
 
-    The axial force, where edges of film press on the tool that are too long to fold beside it.
+
+def repeated_notes(figures: Figures) -> list[Line]:
+    """Return the lines whose content the answers and the table of energies have, too."""
+    return [*_account(figures), *_window(figures)]
+
+
+def distrusted_figures(figures: Figures) -> tuple[str, ...]:
+    """Return the names of single values that depend on the mesh, while the others may be right.
+
+    The axial force, where flanks press on the tool whose quads are too long to fold beside it.
     """
     side, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
     presses = side > bent and figures.get("options", {}).get("film_edges")
@@ -389,7 +402,7 @@ def _nothing_cut(figures: Figures) -> Iterator[Line]:
     if figures.get("n_cable_created") == 0:
         why = "the tool never touched the film" if never_touched(figures) else "no cable was made"
         where = ""
-        if _is_of_a_tool(figures):
+        if is_of_a_tool(figures):
             where = " Use shellcut preview to see the path of the cutting edges."
         yield Line("doubt", f"Nothing was cut: {why}.{where}")
 
@@ -404,20 +417,20 @@ def _off_path(figures: Figures) -> Iterator[Line]:
         where += "edges, or straight ahead of it." if where else ""
         yield Line(
             "note",
-            f"{torn:,} of {n + torn:,} cuts are tears: there the film tore by itself, driven by no "
-            f"edge.{where} If you did not expect a tear, look at the picture.",
+            f"{torn:,} of {n + torn:,} cuts are tears: there the film tore without a cutting "
+            f"edge.{where} If you did not expect a tear, look at the pictures.",
         )
     if not n:
         return
     far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
     ahead = f", or straight ahead of it by up to {lead:.3g} mm" if lead else ""
     others = " other than tears" if torn else ""
-    lie = f"lie beside it, up to {far:.3g} mm" if off else f"lie on it{ahead}, at most {far:.3g} mm"
+    most, lie = ("up to", "beside it") if off else ("at most", f"away from it{ahead}")
     yield _judged(
         off == 0,
-        "The cracks kept to the path of the cutting edges",
+        "The cracks follow the path of the cutting edges",
         "Cracks left the path of the cutting edges; the crack map shows where",
-        f"{off or n:,} of {n:,} splits{others} {lie} off",
+        f"{off or n:,} of {n:,} splits{others} are {most} {far:.3g} mm {lie}",
         "a fifth of the side of a quad",
         _remedies(figures, "through quads"),
     )
@@ -432,21 +445,22 @@ def _overshoot(figures: Figures) -> Iterator[Line]:
         "The cutting edge meets its cables in time",
         "Force or torque is too low, because the cutting edge meets its cables late: it is too "
         "fast, or does not move where it points",
-        f"it misses {_percent(missed, OVERSHOOT_LIMIT)} of the distance over which it drags them",
+        f"it meets them after {_percent(missed, OVERSHOOT_LIMIT)} of the distance over which it "
+        "drags them",
         _percent(OVERSHOOT_LIMIT),
         _remedies(figures, "more checks", *_SLOWER),
     )
 
 
 def _account(figures: Figures) -> Iterator[Line]:
-    """Yield where all that was put in went, and how much of what was dissipated was asked for."""
+    """Yield what became of the work, and the share that the laws of the model dissipated."""
     put_in, became = account(figures)
     if not became:
         return
     whole = sum(line.energy for line in put_in)
     sources = ", ".join(f"{line.words} {line.energy:.4g}" for line in put_in)
     parts = ", ".join(f"{line.words} {100.0 * line.share:.1f} %" for line in became)
-    yield Line("note", f"{whole:.4g} N·mm were put in ({sources}). They went into: {parts}.")
+    yield Line("note", f"{whole:.4g} N·mm were put in ({sources}). They became: {parts}.")
     if not figures.get("n_cable_broken", 0):
         return
     asked, together = dissipated(figures)
@@ -458,9 +472,9 @@ def _account(figures: Figures) -> Iterator[Line]:
     said += f", together {_percent(together, ASKED_LIMIT)}" if others else ""
     yield _judged(
         together >= ASKED_LIMIT,
-        "Cables, film and friction took the work, not damping and contact",
-        "Damping and contact took too much of the work, because film springs open"
-        + (" or a tool presses on film that does not part" if _is_of_a_tool(figures) else ""),
+        "Cables, film and friction dissipated the work, not damping and contact",
+        "Damping and contact dissipated too much of the work, because film springs open"
+        + (" or a tool presses on film that does not part" if is_of_a_tool(figures) else ""),
         said,
         f"at least {_percent(ASKED_LIMIT)}",
         _remedies(figures, "shorter sides", *_SLOWER),
@@ -468,35 +482,35 @@ def _account(figures: Figures) -> Iterator[Line]:
 
 
 def _window(figures: Figures) -> Iterator[Line]:
-    """Yield what the work of the steady window became, and judge what no law asked for."""
+    """Yield what the work of the steady window became, and judge the part that no law explains."""
     if why := figures.get("no_window"):
         yield Line("note", f"No part of the cut is steady, so no mean is given: {why}.")
     became = window_account(figures)
     if not became:
         return
     parts = ", ".join(f"{line.words} {100.0 * line.share:.1f} %" for line in became)
-    said = f"In the steady window the work went into: {parts}."
+    said = f"In the steady window the work became: {parts}."
     stored = figures[growth_figure(STORED)]
     if stored >= STORED_NOTE:
         said += (
-            " Force or torque holds what is stored, too: it strains the film that the tool holds "
-            "apart, more of it as the cut grows, and is no work of cutting."
+            " The stored part is no work of cutting, but force or torque contains it: the longer "
+            "the cut, the more film the tool strains."
         )
     elif stored <= -STORED_NOTE:
         said += (
-            " The film gave what it had stored before, so force or torque is less than the work "
-            "of cutting."
+            " The film released energy that it had stored before, so force or torque is less than "
+            "the work of cutting."
         )
     yield Line("note", said)
-    if not _is_of_a_tool(figures):
+    if not is_of_a_tool(figures):
         return
     by_law = stored + sum(figures.get(growth_figure(part), 0.0) for part in ASKED_FOR)
     yield _judged(
         abs(1.0 - by_law) <= OTHER_LIMIT,
-        "Force or torque of the steady window is that of cables, film and friction",
-        "Force or torque of the steady window is not that of cables, film and friction alone: "
+        "In the steady window force or torque is that of cables, film and friction",
+        "In the steady window force or torque is not that of cables, film and friction alone: "
         "vibration, damping and contact carry part of it",
-        f"all else took {_of_work(figures, 1.0 - by_law, OTHER_LIMIT)} there",
+        f"all else took {_of_work(figures, 1.0 - by_law, OTHER_LIMIT)}",
         _percent(OTHER_LIMIT),
         _remedies(figures, "shorter sides", *_SLOWER, "damping"),
     )
@@ -505,24 +519,24 @@ def _window(figures: Figures) -> Iterator[Line]:
 def _stored(figures: Figures) -> Iterator[Line]:
     """Yield a doubt where much is stored and the film could not buckle, by shape or mesh.
 
-    Where it could, a tool that holds a thick film apart between near clamps stores as much in
-    earnest, and nothing is to be done.
+    Where it could buckle, a thick film between near clamps really stores as much, and nothing is
+    to be done.
     """
     stored = figures.get(growth_figure(STORED), 0.0)
-    if stored <= STORED_LIMIT or not _is_of_a_tool(figures):
+    if stored <= STORED_LIMIT or not is_of_a_tool(figures):
         return
     side, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
     if remedy := _remedies(figures, "imperfection"):
         why = "a film without imperfection stays flat"
     elif side > bent:
-        why = f"the quads along the cut have sides of {side:.3g} mm, and it folds only on shorter "
-        why += f"ones than {bent:.3g} mm"
+        why = f"the quads along the cut have sides of {side:.3g} mm, and it folds only on sides "
+        why += f"shorter than {bent:.3g} mm"
         remedy = " Compare it with a run on a finer film near the tool."
     else:
         return
     yield Line(
         "doubt",
-        "Force or torque may be too high, because the film may not give way beside the tool: "
+        "Force or torque may be too high, because the film may not fold beside the tool: "
         f"{why}. It stored {_of_work(figures, stored, STORED_LIMIT)} in the steady window (limit "
         f"{_percent(STORED_LIMIT)}).{remedy}",
     )
@@ -534,7 +548,7 @@ def _rotary_inertia(figures: Figures) -> Iterator[Line]:
         yield Line(
             "note",
             f"Rotary inertia is scaled by {factor:.3g} for a longer time step, so bending waves "
-            "shorter than a few quads are too slow. Use a finer film if they matter to you.",
+            "shorter than a few quads are too slow. Use a finer film if you need these waves.",
         )
 
 

@@ -89,7 +89,7 @@ class VtkHdfWriter:
     """Append frames to one VTKHDF file.
 
     Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
-    killed or the disk is full. Signals are held back while HDF5, which calls :class:`HdfTarget`,
+    killed or the disk is full. Signals are delayed while HDF5, which calls :class:`HdfTarget`,
     is at work: an exception in between would leave its file half open.
 
     With ``until`` frames are appended to the file of an interrupted run, which this class has

@@ -39,7 +39,7 @@ class VtkHdfReader:
     """Read the frames of a file, also of a killed run or one still writing it.
 
     It reads the file as it is now; later frames are not seen. Raises ResultFileError if it was not
-    written by :class:`VtkHdfWriter`, or its times, figures or poses have changed since.
+    written by :class:`VtkHdfWriter`, or its times, values or poses have changed since.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -119,7 +119,7 @@ class VtkHdfReader:
             )
         if (k := damaged_row(file["VTKHDF"], file[BESIDE], n_frame)) is not None:
             raise ResultFileError(
-                f"{self.path} is damaged: time, figures or pose of frame {k} are not what was "
+                f"{self.path} is damaged: time, values or pose of frame {k} are not what was "
                 "written"
             )
         self.times = steps["Values"][:n_frame]

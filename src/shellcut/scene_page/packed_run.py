@@ -106,7 +106,7 @@ def packed(
 
 
 def as_json(described: object) -> str:
-    """Return JSON that cannot end the script element it stands in."""
+    """Return JSON that cannot end the script element around it."""
     text = json.dumps(described, separators=(",", ":"), ensure_ascii=False)
     return text.replace("<", "\\u003c")
 

@@ -152,9 +152,7 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
         raise ValueError(f"{n} frames must fit into {_size(room)}, they take {_size(len(html))}")
     dropped = ""
     if n < len(wanted):
-        dropped = (
-            f"all {len(wanted)} frames would take {_size(whole)}, there is room for {_size(room)}"
-        )
+        dropped = f"all {len(wanted)} frames would need {_size(whole)}, the limit is {_size(room)}"
     return Scene(html, numbers, dropped)
 
 
@@ -204,5 +202,5 @@ def _size(n_byte: float) -> str:
 
 
 def part(room: str, name: str) -> str:
-    """Return the text of a file beside the modules of a room."""
+    """Return the text of a file beside the modules of a package."""
     return (importlib.resources.files(room) / name).read_text(encoding="utf-8")

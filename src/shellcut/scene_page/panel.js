@@ -1,5 +1,6 @@
 // The controls around a scene: frame, field, colour scale, parts, and what is read at a place.
 const PER_SECOND = 12;
+const RULER = 150; // pixels of the longest scale bar
 const CLICK = 5; // pixels that a pointer may move and still pick
 
 class Panel {
@@ -38,6 +39,7 @@ class Panel {
     const tables = await Promise.all(names.map((name) => this.tables.get(name)));
     this.of = Object.fromEntries(names.map((name, k) => [name, tables[k]]));
     this.view = new SceneView(this.part("canvas"), this.content);
+    this.view.drawn = () => this.showRuler();
     this.addControls();
     this.addLegend();
     this.listen();
@@ -89,6 +91,16 @@ class Panel {
     this.part("ramp").style.background = `linear-gradient(to right, ${names.join(", ")})`;
     this.readPicked();
     this.view.draw();
+  }
+
+  // A bar of 1, 2 or 5 times a power of ten in the unit shown, as long as it is drawn.
+  showRuler() {
+    const [unit, of] = this.content.length;
+    const each = this.view.pixels() / of;
+    const power = 10 ** Math.floor(Math.log10(RULER / each));
+    const length = power * [5, 2, 1].find((n) => n * power * each <= RULER);
+    this.part("ruler").style.width = `${length * each}px`;
+    this.part("ruler").textContent = `${digits(length, power)} ${pretty(unit)}`;
   }
 
   reset() {

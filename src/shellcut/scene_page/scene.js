@@ -178,11 +178,18 @@ class SceneView {
     this.draw();
   }
 
+  // Pixels of a millimetre at the place around which the camera turns.
+  pixels() {
+    const away = this.camera.position.distanceTo(this.controls.target);
+    return this.canvas.clientHeight / (2 * away * Math.tan((this.camera.fov * Math.PI) / 360));
+  }
+
   draw() {
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
+      this.drawn?.();
       this.renderer.render(this.scene, this.camera);
     });
   }

@@ -57,7 +57,7 @@ class CommonWindow:
     def _means(
         self, runs: list[int], between: Range, unit: str
     ) -> tuple[dict[int, dict[str, Any]], str]:
-        """Return the figures of all runs in their common window, or none of them and why."""
+        """Return the values of all runs in their common window, or none of them and why."""
         if between[0] >= between[1]:
             return {}, "the runs have none in common"
         found = {}

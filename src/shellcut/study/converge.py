@@ -64,17 +64,17 @@ def converge(
     executor: AnyExecutor = None,
     say: Say = None,
 ) -> ErrorBars:
-    """Run a model with its companions, and return its figures with error bars.
+    """Run a model with its companions, and return its values with error bars.
 
     The companions have a coarser and a finer mesh, nodes elsewhere under the path, half the speed,
     and two other small shapes of the film: together they take ten times the time of the model. They
-    are a study in ``out``: what is done is found again, what was interrupted goes on.
+    are a study in ``out``: what is done is found again, what was interrupted continues.
 
     Parameters
     ----------
     out : str or path
         Folder for the runs, ``error_bars.json`` and, with Matplotlib, ``error_bars.png``.
-    figures : sequence of str, optional
+    ``figures`` : sequence of str, optional
         Names in ``summary.json``; by default means and peaks of torque or force, crack length and
         work.
     model, settings, executor, say
@@ -91,11 +91,11 @@ def converge(
     RuntimeError
         If the run as given fails.
     ValueError
-        If it has not the figures.
+        If it has not the values.
 
     Examples
     --------
-    >>> found = converge("guillotine", "bars", figures=["force_plateau_N"])  # doctest: +SKIP
+    >>> found = converge("guillotine", "bars")  # doctest: +SKIP
     >>> print(found)  # doctest: +SKIP
     """
     figures = [known_figure(name) for name in figures]

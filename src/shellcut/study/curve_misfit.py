@@ -91,7 +91,7 @@ def read_curves(curves: Sequence[FitCurve], of_run: AnyResistance) -> tuple[FitC
 def window_of(folder: Path, figures: Mapping[str, Any], curve: FitCurve) -> float:
     """Return the width over which to average a run's curve, in the unit of its coordinate.
 
-    Two node spacings: an edge of the film along the cut, as the coordinate of the motion.
+    Two node spacings: a side of a quad along the cut, as the coordinate of the motion.
     """
     results = read(folder)
     x = results.history[curve.x or results.coordinate_name]
@@ -123,8 +123,8 @@ def compared(
         if inside.sum() < len(points):
             raise ValueError(
                 f"the run must reach from {points[0]:.4g} to {points[-1]:.4g} {found.x_unit} to be "
-                f"compared, with half a window of {window:.3g} at both ends, but its curve goes "
-                f"from {s[0]:.4g} to {s[-1]:.4g}"
+                f"compared, with half a window of {window:.3g} at both ends, but its curve "
+                f"reaches from {s[0]:.4g} to {s[-1]:.4g}"
             )
     else:
         margin = _MARGIN * (high - low)

@@ -43,7 +43,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker needs: texts and paths only, so that it goes to any machine."""
+    """What a worker needs: texts and paths only, so that it can be sent to any machine."""
 
     number: int
     """Of the run in the study."""
@@ -138,7 +138,7 @@ class _Stops:
 
 
 def _run(task: Task, folder: Path, stop: StopWhen) -> Mapping[str, Any] | None:
-    """Run to the end and return the figures, or None if the run was stopped."""
+    """Run to the end and return the values, or None if the run was stopped."""
     folder.mkdir(parents=True, exist_ok=True)
     # The folder is named by the inputs, so a checkpoint there is of this run, though its text may
     # differ in what changes no result, such as the number of threads.

@@ -1,9 +1,9 @@
-"""The best values of some keys: the least or the largest of a figure, within limits on others.
+"""The best values of some keys: those of the least or largest result, within limits on others.
 
-Optuna's tree-structured Parzen estimator proposes values, four sets at a time, and is told what
+Optuna's tree-structured Parzen estimator proposes values, four sets at a time, and receives what
 their runs gave; the first set is that of the model. It starts from one seed and the number of sets
 does not depend on the number of processes. So a search that is called again proposes the same runs,
-finds those done by the hashes of their inputs, and goes on where it was ended.
+finds those done by the hashes of their inputs, and continues where it was ended.
 """
 
 from __future__ import annotations
@@ -69,11 +69,11 @@ class Trial:
     reason: str = ""
     """Why it failed."""
     limited: Mapping[str, float] = field(default_factory=dict)
-    """The figures that have limits."""
+    """The values that have limits."""
     doubts: tuple[str, ...] = ()
     """What the verdict of its run distrusts."""
     half_width: float | None = None
-    """Of the 95 % interval, if the figure is a mean."""
+    """Of the 95 % interval, if the value is a mean."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Optimum:
     allow_doubts: bool = False
     """Whether a run that its verdict distrusts may be the best."""
     compared: tuple[Trial, ...] = field(default=())
-    """If the figure is a mean: the first and the best over their common steady window, if any."""
+    """If the value is a mean: the first and the best over their common steady window, if any."""
 
     @property
     def second(self) -> Trial | None:
@@ -193,7 +193,7 @@ class Optimum:
         less = ", less than the ± of both" if alike else ""
         yield f"{name}: {given} {who}, {found} at best ({change:+.1f} %{less}){beyond}"
         if best.values != start.values and (alike or self._rank(best) >= self._rank(start)):
-            yield f"no difference can be told from the one {who}"
+            yield f"its difference from the one {who} is within the scatter"
         for which, one in {who: start, "at best": best}.items():
             yield from (f"distrust {which}: {doubt}" for doubt in one.doubts)
 
@@ -212,15 +212,15 @@ class Optimum:
             draw_curves(folder / PICTURE, [self.diagram()], size=(8.0, 4.5))
 
     def diagram(self) -> Diagram:
-        """Return the figure of each run over its number, and the best so far."""
+        """Return the value of each run over its number, and the best so far."""
         n = np.arange(1.0, len(self.trials) + 1.0)
         values = np.array([np.nan if t.figure is None else t.figure for t in self.trials])
         states = np.array([self.state(one) for one in self.trials])
         least = np.minimum.accumulate(np.where(states == "", self.sign * values, np.inf))
         looks = {
-            _DISTRUSTED: ("doubt", _DISTRUSTED),
-            _BEYOND: ("p4", _BEYOND),
-            "": ("p0", "within"),
+            _DISTRUSTED: ("doubt", "doubtful runs"),
+            _BEYOND: ("p4", "runs beyond the limits"),
+            "": ("p0", "runs within the limits" if self.limits else "runs"),
         }
         curves = [
             Curve(name, np.where(states == state, values, np.nan), style)
@@ -230,7 +230,7 @@ class Optimum:
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
         name = label_of(self.figure)
         unit = unit_of(self.figure)
-        return Diagram(n, curves, "run", "", name, unit, zero=False)
+        return Diagram(n, curves, "number of the run", "", name, unit, zero=False, whole=True)
 
 
 def optimise(
@@ -247,17 +247,17 @@ def optimise(
     executor: AnyExecutor = None,
     say: Say = None,
 ) -> Optimum:
-    """Seek the values of some keys that make a figure least, or largest.
+    """Seek the values of some keys that make a result least, or largest.
 
     Parameters
     ----------
     out : str or path
         Folder for the runs, ``optimum.json`` and, with Matplotlib, ``optimum.png``.
     minimise, maximise : str
-        One of them: a figure of ``summary.json`` or of :class:`shellcut.CutQuality` at the end, as
+        One of them: a value of ``summary.json`` or of :class:`shellcut.CutQuality` at the end, as
         ``torque_peak_Nmm``; its unit may be left out, and the words of the reports are names, too.
     subject_to : sequence of str
-        Limits on such figures: ``"n_loose == 1"``, ``"crack_length >= 58"``.
+        Limits on such values: ``"n_loose == 1"``, ``"crack_length >= 58"``.
     settings : mapping
         By key: one value for all runs; or what is sought, a range, as ``"40:80"``, or values to
         choose from, as the factors of :func:`shellcut.sweep`. At least one key must be sought.
@@ -282,9 +282,9 @@ def optimise(
     ModelFileError, FolderInUse, FileExistsError, ConnectionError, KeyboardInterrupt
         As of :func:`shellcut.sweep`.
     ValueError
-        If keys, figures or limits do not fit.
+        If keys, values or limits do not fit.
     RuntimeError
-        If the run of the model as given fails, or has not the figures.
+        If the run of the model as given fails, or has not the values.
     ImportError
         If Optuna is not installed.
 
@@ -301,7 +301,7 @@ def optimise(
     """
     optuna = _optuna()
     if bool(minimise) == bool(maximise):
-        raise ValueError("give either minimise or maximise, the name of a figure")
+        raise ValueError("give either minimise or maximise, the name of a result")
     if max_runs < 2:
         raise ValueError(f"max_runs must be 2 or more, got {max_runs}")
     sign, wanted = (1 if minimise else -1), known_figure(minimise or maximise, UNITS)
@@ -320,7 +320,7 @@ def optimise(
         trials += run([{}])
         if trials[0].figure is None:
             raise RuntimeError(
-                f"the model as given must run and have all these figures: {trials[0].reason}"
+                f"the model as given must run and have all these values: {trials[0].reason}"
             )
         while len(trials) < max_runs:
             asked = [study.ask() for _ in range(min(_AT_A_TIME, max_runs - len(trials)))]
@@ -383,7 +383,7 @@ def _limit(text: str) -> tuple[str, str, float]:
         limit = float(bound)
     except (AttributeError, ValueError):
         raise ValueError(
-            f'a limit must be FIGURE <= NUMBER, or with >= or ==, as "n_loose == 1", got {text!r}'
+            f'a limit must be NAME <= NUMBER, or with >= or ==, as "n_loose == 1", got {text!r}'
         ) from None
     return known_figure(name, UNITS), sign, limit
 

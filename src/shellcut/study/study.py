@@ -61,7 +61,7 @@ class StudyResults:
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """Inputs and figures of the runs that are done, by name, in the order of the design."""
+        """Inputs and values of the runs that are done, by name, in the order of the design."""
         _, figures = columns_of(self.plan, self.outcomes)
         return [
             {**run.values, **{n: one.figures[n] for n in figures if n in one.figures}}
@@ -84,10 +84,10 @@ def sweep(
     executor: AnyExecutor = None,
     say: Say = None,
 ) -> StudyResults:
-    """Run a model with many values, and write the table of inputs and figures.
+    """Run a model with many values, and write the table of inputs and values.
 
     Runs that are done are found by the hash of their inputs and not repeated; one that was
-    interrupted goes on from its checkpoint; one that failed is tried again at the next call.
+    interrupted continues from its checkpoint; one that failed is tried again at the next call.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def _carried_out(
     def stop() -> None:
         with suppress(FileExistsError), open(folder / STOP, "wb", opener=exclusive):
             pass
-        progress.say("stopping: the runs under way keep their checkpoints ...")
+        progress.say("stopping: the present runs keep their checkpoints ...")
 
     written = time.monotonic()
     with Interruption(stop) as interruption:

@@ -1,4 +1,4 @@
-"""``study.toml``: a study as a file. Model, settings, factors, design and the figures of interest.
+"""``study.toml``: a study as a file. Model, settings, factors, design and the values of interest.
 
 examples/study.toml shows all that it can say.
 """
@@ -136,7 +136,7 @@ def write_study(path: Path, planned: Plan) -> None:
 
 
 def _figures_line(path: Path, planned: Plan) -> list[str]:
-    """Return the line of the figures, those of an earlier file at this place if none are given."""
+    """Return the line of the values, those of an earlier file at this place if none are given."""
     figures = planned.definition.figures
     try:
         figures = figures or read_study(path).figures

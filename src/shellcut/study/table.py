@@ -1,4 +1,4 @@
-"""The table of a study: inputs and figures of every run, in the order of the design."""
+"""The table of a study: inputs and values of every run, in the order of the design."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _OF_THE_MACHINE = ("wall_s", "ns_per_quad_step", "pictures_s")
 
 
 def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], list[str]]:
-    """Return the keys of the factors, and the names of the figures that some run has."""
+    """Return the keys of the factors, and the names of the values that some run has."""
     each = (figure for one in outcomes.values() for figure in one.figures.items())
     there = {name for name, v in each if isinstance(v, int | float) and not isinstance(v, bool)}
     there -= set(_OF_THE_MACHINE)
@@ -30,7 +30,7 @@ def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], 
 
 
 def write_table(folder: Path, plan: Plan, outcomes: Mapping[int, Outcome]) -> Path:
-    """Write the table as CSV: a row a run, a blank where a run has no such figure.
+    """Write the table as CSV: a row a run, a blank where a run has no such value.
 
     Means are over the steady window that all runs have in common, each with its half-width.
     ``reason`` says why a run failed, what its verdict distrusts, or why its mean is missing or over

@@ -17,7 +17,7 @@ def can_draw() -> bool:
 
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
-    """Return an empty Matplotlib figure of ``size`` [inch] that draws off-screen (Agg)."""
+    """Return an empty Matplotlib picture of ``size`` [inch] that draws off-screen (Agg)."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
 
 
 def save(figure: Any, path: str | os.PathLike[str]) -> None:
-    """Write the figure to ``path``; the suffix sets the format. An existing file is replaced.
+    """Write the picture to ``path``; the suffix sets the format. An existing file is replaced.
 
     The file appears only when it is complete.
     """

@@ -153,12 +153,12 @@ def whole_camera(
 def pixels_of(
     box: tuple[float, float, float, float], size: tuple[float, float], dpi: float
 ) -> tuple[int, int]:
-    """Return height and width in pixels of a box given in fractions of the figure."""
+    """Return height and width in pixels of a box given in fractions of the picture."""
     return round(box[3] * size[1] * dpi), round(box[2] * size[0] * dpi)
 
 
 def mesh_edges(quads: Ints) -> Ints:
-    """Return every edge of the quads once, as node ids, shape (n, 2)."""
+    """Return every side of the quads once, as node ids, shape (n, 2)."""
     return np.unique(np.sort(sides_of(quads), axis=1), axis=0)
 
 
@@ -178,7 +178,7 @@ def tool_creases(frame: Frame) -> Ints:
 
 
 def edge_length(frame: Frame) -> float:
-    """Return the median length of the quads' edges [mm]."""
+    """Return the median length of the quads' sides [mm]."""
     ends = frame.reference[sides_of(frame.quads)]
     return float(np.median(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
 
@@ -283,7 +283,7 @@ def legend_of(frames: Sequence[Frame]) -> list[Shown]:
 
 
 def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -> None:
-    """Add a legend of what is shown of the frames; ``where`` goes to Matplotlib's ``legend``."""
+    """Add a legend of what is shown of the frames; ``where``: options of Matplotlib's."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 

@@ -25,7 +25,7 @@ INK = "#1b1f24"
 """Black; pages make it white in the dark."""
 
 # Okabe and Ito: distinguishable for colour-blind readers, calm enough for areas.
-_AREAS = ("#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#999999")
+_AREAS = ["e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7", "999999", "7a5195"]
 
 # Thin lines below those of the sums, in none of their colours.
 _TEETH = ("#2c9c62", "#8a63c9", "#a58a12", "#9c5a3c", "#159aa0", "#c565ae", "#5f6b78", "#a9b0b8")
@@ -40,7 +40,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "mean": {"color": INK, "width": 1.6},
     **{f"law{k}": {"color": color, "width": 2.4} for k, color in enumerate(PALETTE)},
     **{f"c{k}": {"color": color, "width": 1.0} for k, color in enumerate(PALETTE)},
-    **{f"a{k}": {"color": color, "width": 1.6} for k, color in enumerate(_AREAS)},
+    **{f"a{k}": {"color": f"#{one}", "width": 1.6} for k, one in enumerate(_AREAS)},
     "doubt": {"color": PALETTE[6], "width": 0.0, "marker": "x"},
     **{f"p{k}": {"color": c, "width": 0.0, "marker": "o"} for k, c in enumerate(PALETTE)},
 }
@@ -82,9 +82,11 @@ class Diagram:
     """Relative to the other diagrams of a picture."""
     zero: bool = True
     """Whether the axis of the values reaches 0."""
+    whole: bool = False
+    """Whether the abscissae are whole numbers, such as those of runs."""
 
     def shown(self) -> Diagram:
-        """Return it in the units in which figures are shown."""
+        """Return it in the units in which values are shown."""
         (x_unit, along), (unit, up) = shown(self.x_unit), shown(self.unit)
         curves = []
         for c in self.curves:
@@ -112,7 +114,7 @@ def draw_curves(
     columns : int
         Diagrams side by side; those of one column share the coordinate.
     size, dpi
-        Of the figure; the size in inches.
+        Of the picture; the size in inches.
 
     Raises
     ------
@@ -164,6 +166,7 @@ def _draw(axes: Any, diagram: Diagram) -> None:
         axes.axhline(0.0, color="0.6", lw=0.8)
     axes.set_xlabel(in_unit(diagram.x_name, diagram.x_unit))
     axes.set_ylabel(in_unit(diagram.name, diagram.unit))
+    axes.xaxis.get_major_locator().set_params(**({"integer": True} if diagram.whole else {}))
     axes.margins(x=0.0 if diagram.zero else 0.05)
     axes.grid(color="0.9", lw=0.8)
     axes.set_axisbelow(True)

@@ -17,8 +17,8 @@ from .fields import FIELDS, Field, field_limits, fields_of
 
 _DEFAULT = "viridis"
 _VIRIDIS = (
-    "440154 481769 472a7a 433d84 3d4e8a 355e8d 2e6d8e 297b8e 23898e 1f978b 21a585 2eb37c 46c06f "
-    "65cb5e 89d548 b0dd2f d8e219 fde725"
+    "440154481769472a7a433d843d4e8a355e8d2e6d8e297b8e23898e"
+    "1f978b21a5852eb37c46c06f65cb5e89d548b0dd2fd8e219fde725"
 )  # Matplotlib's (van der Walt and Smith, CC0) at 18 even places
 
 
@@ -82,7 +82,7 @@ class Look:
         Some maps take Matplotlib.
         """
         if self.colormap == _DEFAULT:
-            stops = np.array([list(bytes.fromhex(stop)) for stop in _VIRIDIS.split()]) / 255.0
+            stops = np.frombuffer(bytes.fromhex(_VIRIDIS), np.uint8).reshape(-1, 3) / 255.0
             at = np.linspace(0.0, len(stops) - 1.0, n)
             rgb = [np.interp(at, np.arange(len(stops)), column) for column in stops.T]
             return np.stack(rgb, axis=1)

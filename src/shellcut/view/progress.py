@@ -1,7 +1,7 @@
-"""Progress of a run: a bar on a terminal, otherwise a plain line now and then.
+"""Progress of a run: a bar on a terminal, otherwise about ten plain lines.
 
-Progress is the share of the work that is done. Bar, lines, status and time left all use this one
-number; an angle or a path would not do, because a tool starts slowly, may rest, or come back.
+Progress is the share of the work that is done. Bar, lines and time left all use this one number;
+an angle or a path would not do, because a tool starts slowly, may rest, or move back.
 
 Any error of the display (a closed pipe, a full disk under a redirected stream) switches it off; it
 never stops the run.
@@ -21,18 +21,21 @@ BAR_INTERVAL = 0.2
 """Shortest time between two drawings of the bar [s]."""
 LINE_INTERVAL = 10.0
 """Shortest time between two plain lines [s]."""
+LINE_SHARE = 0.1
+"""Smallest share of the run between two plain lines."""
 _BAR_WIDTH = 12
 _ROUND_OFF = 1e-9
 """Round-off: a share of 0.2 may arrive as 0.19999999999999998."""
 
 
 class Progress:
-    """Show progress of a run, its figures, its speed and the time left.
+    """Show progress of a run, some values, its speed and the time left.
 
-    Figures are shown in ``figure_units``, by name, steps by their name in the plural. The stream is
-    standard error by default: on a terminal a bar is drawn in place, with as many figures as there
-    is room for and the first two of them without names; elsewhere plain lines are written, at most
-    one every :data:`LINE_INTERVAL`. ``log`` receives every line of text shown, but not the bar.
+    Values are shown in ``figure_units``, by name, steps by their name in the plural. The stream is
+    standard error by default. On a terminal a bar is drawn in place, with as many values as fit
+    beside it, the first two of them without names. Elsewhere plain lines are written, with the
+    first two values: at most one every :data:`LINE_INTERVAL` and :data:`LINE_SHARE`. ``log``
+    receives every plain line, and the status.
     """
 
     def __init__(
@@ -53,7 +56,7 @@ class Progress:
         self._clock = clock
         self._alive = self._stream is not None  # pythonw and some services have no stderr
         self._bar: Any = None
-        self._due = -float("inf")
+        self._due = self._share_due = -float("inf")
         self._first: tuple[float, float] | None = None  # time, share
         self._shown: tuple[float, int] | None = None  # time, step
         self._latest: tuple[float, int, dict[str, float]] | None = None
@@ -66,7 +69,7 @@ class Progress:
         return self._alive and (self._first is None or self._clock() >= self._due)
 
     def update(self, share: float, *, step: int, **figures: float) -> None:
-        """Show the share done and the figures if a drawing is due (0.5 us otherwise).
+        """Show the share done and the values if a drawing is due (0.5 us otherwise).
 
         The number of steps done gives the steps per second.
         """
@@ -79,15 +82,15 @@ class Progress:
         if self._first is None:
             self._first = now, share
         self._latest = share, step, figures
-        self._due = now + self._interval
-        self._guard(self._show)
+        self._due = now + BAR_INTERVAL
+        if self._bar is not None or share >= self._share_due:
+            self._due, self._share_due = now + self._interval, share + LINE_SHARE
+            self._guard(self._show)
 
     def status(self, text: str) -> None:
-        """Log a line of figures at once; show it only where no bar shows such figures."""
+        """Log a line of values at once."""
         if self._log is not None:
             self._log(text)
-        if self._bar is None:
-            self._guard(lambda: self._write(text))
 
     def close(self) -> None:
         """Show the last update and end the display; a second call does nothing."""
@@ -126,7 +129,7 @@ class Progress:
         now = self._clock()
         began, start = self._first
         left, speeds = [], []
-        if share > start:
+        if start < share < 1.0:
             seconds = (now - began) * (1.0 - share) / (share - start)
             left.append(f"{duration(seconds)} left")
         values = [with_unit(v, self._figure_units.get(name, "")) for name, v in figures.items()]
@@ -151,7 +154,7 @@ class Progress:
             done = percent(share)
             self._bar.update(self._task, completed=share, done=done, text=text, refresh=True)
         else:
-            line = f"{percent(share)} %: {', '.join([*left, *named, *speeds])}"
+            line = f"{percent(share)} %: {', '.join([*named[:2], *left])}"
             if self._log is not None:
                 self._log(line)
             self._write(line)

@@ -110,8 +110,8 @@ def png_of(frame: Frame, look: Look, shape: tuple[int, int]) -> bytes:
 class SnapshotSeries:
     """Snapshots of a run with one camera, one scale and one legend.
 
-    Left camera and legend cover all frames ``seen``. The figure is created once; each frame changes
-    its pictures, title and circle.
+    Left camera and legend cover all frames ``seen``. The picture is created once; each frame
+    changes its pictures, title and circle.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ class SnapshotSeries:
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
 
     def figure(self, frame: Frame) -> Any:
-        """Return the picture of a frame as a Matplotlib figure; the next call changes it."""
+        """Return the picture of a frame as a Matplotlib ``Figure``; the next call changes it."""
         self._title.set_text("      ".join(title_parts(frame)))
         self._put(self._left, frame, self._camera)
         if self._right is not None:
@@ -182,7 +182,7 @@ def limits_of(seen: Sequence[Frame], look: Look) -> tuple[tuple[float, float], l
 
 
 def close_camera(frame: Frame, whole: Camera, shape: tuple[int, int]) -> Camera:
-    """Return a camera that looks the same way at the first tooth.
+    """Return a camera that looks in the same direction at the first tooth.
 
     shape : height and width of the picture [pixel].
     """

@@ -1,4 +1,4 @@
-"""Pictures of all runs: curves coloured by a chosen factor, and figures over factors."""
+"""Pictures of all runs: curves coloured by a chosen factor, and values over factors."""
 
 from __future__ import annotations
 
@@ -138,7 +138,9 @@ def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
     """Return groups by the values of a factor, or by even parts of its range."""
     values, unit = factor.values[rows], after(factor.unit)
     if factor.names:
-        return Colouring(factor.name, factor.names, values.astype(int))
+        linked = ", " in factor.key  # whose values need the names of the keys
+        names = tuple(f"{factor.name}: {n}" if linked else n for n in factor.names)
+        return Colouring(factor.name, names, values.astype(int))
     levels = np.unique(values)
     if len(levels) <= len(PALETTE):
         names = tuple(f"{factor.name} {level:.5g}{unit}" for level in levels)
@@ -153,7 +155,7 @@ def coloured_by(factor: Studied, rows: Bools | Ints) -> Colouring:
 
 
 def scatter(study: Study) -> str:
-    """Return a row of pictures for each figure."""
+    """Return a row of pictures for each value."""
     parts, most = [], 0
     for figure in study.figures:
         rows = study.done & np.isfinite(figure.values)

@@ -40,7 +40,7 @@ _DESIGNS = {
 def report_study(
     folder: str | os.PathLike[str], path: str | os.PathLike[str] | None = None
 ) -> Path:
-    """Write one self-contained HTML file about a study: table, curves, figures over factors.
+    """Write one self-contained HTML file about a study: table, curves, values over factors.
 
     It can be written while the study runs; it then shows the runs that are done.
 
@@ -91,7 +91,7 @@ def report_study(
 def _sections(study: Study, out: Path) -> dict[str, str]:
     problems: list[str] = []
     bars = study.folder / ERROR_BARS
-    figures: dict[str, Callable[[], str]] = {"Figures over factors": lambda: scatter(study)}
+    figures: dict[str, Callable[[], str]] = {"Values over factors": lambda: scatter(study)}
     if bars.exists():
         figures = {"Error bars": lambda: error_bars(read_error_bars(bars))}
     makers: dict[str, Callable[[], str]] = {
@@ -134,7 +134,7 @@ def _said(study: Study) -> Iterator[tuple[str, str, str]]:
     if n_done:
         yield "good" if n_done == n else "note", "done", f"{n_done} of {n} runs are done."
     else:
-        yield "doubt", "nothing", "No run is done, so there are no figures: see the table for why."
+        yield "doubt", "nothing", "No run is done, so there are no values: see the table for why."
     if n_doubt := int(study.doubted.sum()):
         first = study.reasons[int(np.argmax(study.doubted))]
         yield (
@@ -145,14 +145,14 @@ def _said(study: Study) -> Iterator[tuple[str, str, str]]:
             f"theirs. The first: {first}.",
         )
     for name in study.lacking:
-        yield "doubt", "missing", f"{STUDY} asks for the figure {name}, which no run has."
+        yield "doubt", "missing", f"{STUDY} asks for the value {name}, which no run has."
     if n_done and not study.figures:
-        yield "doubt", "missing", f"The runs have none of the usual figures; name some in {STUDY}."
+        yield "doubt", "missing", f"The runs have none of the usual values; name some in {STUDY}."
     if not study.factors:
         yield "note", "one model", "No key has several values, so there is nothing to compare."
     share = study.all_figures.get("share_done", np.ones(n))
     if early := int(np.sum(study.done & (share < 1.0 - 1e-6))):
-        yield "note", "stopped", f"{early} runs ended before their time; their figures are partial."
+        yield "note", "stopped", f"{early} runs ended before their time; their values are partial."
 
 
 def _runs(study: Study, page: Path) -> str:
@@ -171,7 +171,7 @@ def _runs(study: Study, page: Path) -> str:
     return (
         f'<div class="wide tall"><table class="sortable"><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>{cut}"
-        f'<p class="caption">A click on a heading sorts. All figures of all runs are in '
+        f'<p class="caption">A click on a heading sorts. All values of all runs are in '
         f'<a href="{link}">{TABLE}</a>.</p>'
     )
 

@@ -1,4 +1,4 @@
-"""A study as its folder holds it: the factors, and the table of inputs and figures."""
+"""A study as its folder holds it: the factors, and the table of inputs and values."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from shellcut.study.factors import Factor, factors_of
 from shellcut.study.plan import RUNS, Definition
 from shellcut.study.study_file import STUDY, read_study
 from shellcut.study.table import TABLE
-from shellcut.unit import shown
+from shellcut.unit import after, shown
 
 _MAIN = (
     ("torque_plateau_Nmm", "force_plateau_N"),
@@ -48,6 +48,12 @@ class Studied:
     """The values as they are in the table."""
 
     @property
+    def shown(self) -> tuple[str, ...]:
+        """The values as they are read: numbers of four digits with their unit."""
+        with_units = tuple(f"{value:.4g}{after(self.unit)}" for value in self.values.tolist())
+        return self.texts if self.names else with_units
+
+    @property
     def varies(self) -> bool:
         """Whether it has two values or more."""
         return self.ends[0] < self.ends[1]
@@ -55,7 +61,7 @@ class Studied:
 
 @dataclass(frozen=True)
 class FigureOfRuns:
-    """A figure of interest: NaN in runs that have none."""
+    """A value of interest: NaN in runs that have none."""
 
     key: str
     name: str
@@ -78,7 +84,7 @@ class Study:
     inputs: tuple[Studied, ...]
     """Every key of the factors."""
     factors: tuple[Studied, ...]
-    """What varies independently: of keys that go together the first stands for all, where its
+    """What varies independently: of keys that change together the first represents all, where its
     numbers tell the runs apart, else the values as names."""
     figures: tuple[FigureOfRuns, ...]
     """Those of interest."""
@@ -159,7 +165,7 @@ def _figure(name: str, values: Floats) -> FigureOfRuns:
 def of_interest(
     chosen: Sequence[str], there: Mapping[str, object]
 ) -> tuple[list[str], tuple[str, ...]]:
-    """Return the chosen figures that are there, or the usual ones, and those that are not."""
+    """Return the chosen values that are there, or the usual ones, and those that are not."""
     if chosen:
         lacking = tuple(name for name in chosen if name not in there)
         return [name for name in chosen if name in there], lacking
@@ -218,10 +224,10 @@ def _factors(planned: Sequence[Factor], inputs: Sequence[Studied]) -> tuple[Stud
 
 
 def _as_one(inputs: Sequence[Studied]) -> Studied:
-    """Return keys that go together as one factor."""
+    """Return keys that change together as one factor."""
     first = inputs[0]
-    key, name = ", ".join(one.key for one in inputs), " with ".join(one.name for one in inputs)
-    texts = tuple(" with ".join(each) for each in zip(*(one.texts for one in inputs), strict=True))
+    key, name = ", ".join(one.key for one in inputs), " and ".join(one.name for one in inputs)
+    texts = tuple(", ".join(each) for each in zip(*(one.shown for one in inputs), strict=True))
     names = tuple(dict.fromkeys(texts))
     if not first.names and len(np.unique(first.values)) == len(names):
         return replace(first, key=key, name=name)
@@ -239,7 +245,7 @@ def _number(text: str, unit: str) -> float | None:
 
 
 def _numbers(cells: Sequence[str]) -> Floats:
-    """Return the figures of a column, NaN where a run has none."""
+    """Return the values of a column, NaN where a run has none."""
     found = np.full(len(cells), np.nan)
     for k, cell in enumerate(cells):
         try:
