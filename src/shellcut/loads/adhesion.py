@@ -86,7 +86,7 @@ class Adhesion:
 
     Examples
     --------
-    >>> seal = Adhesion("rim", energy=0.05)
+    >>> seal = Adhesion("seal", energy=0.05)
     >>> seal.law(ShellMaterial.homogeneous(), side=0.5).strength.__round__(3)
     0.338
     """
