@@ -64,6 +64,7 @@ PAGES = {
         "howto/tear",
         "howto/pierce",
         "howto/loose",
+        "howto/seal",
         "howto/sharp",
         "howto/slow",
         "howto/hand-built",

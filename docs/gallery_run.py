@@ -37,6 +37,7 @@ QUICK = {
     ],
     "response_surface": ["--runs", "8", "--jobs=1"],
     "shape_of_the_law": ["--angle", "56", "--laws", "2"],
+    "glued_opening": ["--angle", "30"],
     "which_tooth": ["--size", "0.8", "--film", "elastic", "--angle", "56"],
     "fit_a_curve": ["--travel", "2", "--jobs=1"],
 }

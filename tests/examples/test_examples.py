@@ -236,3 +236,12 @@ def test_which_tooth(run_example, tmp_path):
         assert given["figure"] - best["figure"] > spread
     assert "no difference" not in said
     assert (tmp_path / "which_tooth.png").stat().st_size > 10_000
+
+
+def test_glued_opening(run_example, tmp_path):
+    said = run_example("glued_opening.py", tmp_path, "--angle", "30")
+    assert "strong: it holds: no part is damaged" in said
+    assert re.search(r"weak: it holds, but [\d.]+ % of its area is damaged", said)
+    assert (tmp_path / "glued_opening.png").stat().st_size > 10_000
+    frame = json.loads((tmp_path / "weak" / "summary.json").read_text())
+    assert 0.0 < frame["seal_damaged_rel"] < 0.5

@@ -453,7 +453,7 @@ def test_keys_are_found_by_words(capsys):
     said = capsys.readouterr().out
     assert re.search(
         r'\[tool\] kind = "teeth"  \(model opening, free: A ring of teeth .*\)\n'
-        r"  wedge_half_angle_deg +number, .*40 at most \[deg\] += [\d.]+ +of the wedge .*\n",
+        r"  wedge_half_angle_deg +number, .*40 at most \[deg\] += [\d.]+ +of the wedge, .*\n",
         said,
     )
     assert "whole motion" not in said  # that angle is another section's

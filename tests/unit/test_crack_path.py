@@ -47,7 +47,9 @@ def test_what_exists_along_edges_only_asks_for_them(option):
     sim = by_hand(fracture=Fracture(**option))
     assert sim.fracture.path == "edges"
     said = list(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
-    assert any(f'(fracture.path = "edges"), which {next(iter(option))} = ' in line for line in said)
+    assert any(
+        f'(fracture.path = "edges"), because of {next(iter(option))} = ' in line for line in said
+    )
 
 
 def test_what_exists_through_quads_only_asks_for_them():

@@ -128,7 +128,7 @@ def test_sums_take_each_entry_once():
     names = (
         *("kinetic_translation", "kinetic_rotation", "strain", "material_dissipated"),
         *("cohesive_work", "cohesive_start_work", "joint_friction", "contact_work"),
-        *("self_contact_work", "friction_work"),
+        *("self_contact_work", "friction_work", "adhesion_work"),
         *("damping_stiffness", "damping_mass", "damping_kinetic"),
     )
     assert ledger.taken_up == sum(getattr(ledger, n) for n in names)

@@ -318,12 +318,15 @@ class Wrong(Plain):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({"booked": [Booking("spring_work", ON_TOOL)]}, "plain books 'spring_work': it must be an"),
+        (
+            {"booked": [Booking("spring_work", ON_TOOL)]},
+            "plain adds to 'spring_work': it must be an",
+        ),
         (
             {"booked": [Booking("load_work", 0)]},
-            "column 0 as load_work: it must be one of the 0 co",
+            "column 0 to load_work: it must be one of the 0 co",
         ),
-        ({"booked": [Booking("load_work", -2)]}, "column -2 as load_work"),
+        ({"booked": [Booking("load_work", -2)]}, "column -2 to load_work"),
         ({"name": "last"}, "must have different names, and none of added, last; got "),
         ({"name": "joints"}, "must have different names"),
     ],
@@ -335,7 +338,7 @@ def test_what_a_term_cannot_book_is_refused_before_the_run(given, said):
 
 def test_an_entry_that_the_ledger_does_not_have_is_refused():
     sim = tethered([Wrong(name="storing")])
-    with pytest.raises(ValueError, match="storing stores 'spring': it must be an entry of the led"):
+    with pytest.raises(ValueError, match="storing stores 'spring': it must be an entry of the ene"):
         sim.close_ledger()
 
 

@@ -119,7 +119,10 @@ def test_what_keys_build(keys, wanted):
         ({"hardening": "voce"}, "[material].hardening must be a table, got 'voce'"),
         ({"hardening.kind": "vocee"}, "[material.hardening].kind 'vocee' is unknown; did you mean"),
         ({**YIELDS, "kinematic_modulus": 9}, "unknown key [material].kinematic_modulus"),
-        ({"hardening.exponent": 0.3}, "[material.hardening].start must be given: of Swift's law"),
+        (
+            {"hardening.exponent": 0.3},
+            "[material.hardening].start must be given: start of Swift's law",
+        ),
         (
             {**YIELDS, "hardening.strength": 3},
             'key [material.hardening].strength belongs to kind = "swift", not to kind = "linear',

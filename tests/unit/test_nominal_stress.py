@@ -127,7 +127,7 @@ def test_a_film_that_cracks_when_stretched_both_ways_only():
     sheet = film(sc.Plastic(RIGID, sc.Swift(between, 1e-9, n)))
     (finding,) = check_strength(sheet, LAW)
     assert finding.severity == "note"
-    assert "stretched both ways" in finding.remedy
+    assert "stretched in both directions" in finding.remedy
 
 
 @pytest.mark.parametrize(

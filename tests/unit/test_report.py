@@ -1,5 +1,6 @@
 """The report of a run: what it says, what it lacks, and that a browser shows it."""
 
+import html
 import json
 import re
 import shutil
@@ -266,7 +267,7 @@ class TestWhatIsMissing:
         path = tmp_path / "r.html"
         subprocess.run([sys.executable, "-c", script, folder, path], check=True)
         page = path.read_text(encoding="utf-8")
-        assert page.count("pip install 'shellcut-fem[plot]'") == 1
+        assert html.unescape(page).count("pip install 'shellcut-fem[plot]'") == 1
         assert "the run has drawn none" in page
         assert page.count('<figure class="chart">') == 3
 

@@ -432,8 +432,9 @@ def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
     draw_movie(tmp_path / "cut.gif", FRAMES, size=(240, 160))
     said = capsys.readouterr().err.splitlines()
-    assert [line.split(" %: ")[0] for line in said] == [f"cut.gif: {n}" for n in (0, 33, 66, 100)]
-    assert "frames/s" in said[-1]
+    assert [line.split(" %")[0] for line in said] == [f"cut.gif: {n}" for n in (0, 33, 66, 100)]
+    assert said[1].endswith(" left")
+    assert said[-1] == "cut.gif: 100 %"
     assert "0 s left" in said[-1]
 
 

@@ -271,7 +271,7 @@ def test_a_run_says_so_from_its_start_to_its_end(out):
     log = (out / "run.log").read_text()
     for pattern in (
         rf"sides of 0\.0394 to {INCH}, ",
-        r"steps to path 0\.1181 in",
+        r"motion to path 0\.1181 in",
         r"100 %: path 0\.118\d in, force \S+ lbf \| E: .* lbf·in \| .* crack [\d.]+ in, \d+ cables",
     ):
         assert re.search(pattern, log), log

@@ -244,9 +244,7 @@ def test_traction_on_any_path_is_that_of_the_plain_law():
 
 
 def test_stored_and_dissipated_make_up_the_work_of_a_slow_path():
-    sim = sc.Simulation(
-        rectangle(1.0, 1.0, size=1.0), FILM, terms=[sc.Adhesion(quads=[0], **LAW)]
-    )
+    sim = sc.Simulation(rectangle(1.0, 1.0, size=1.0), FILM, terms=[sc.Adhesion(quads=[0], **LAW)])
     glue, state = glue_of(sim), sim.state
     start, work, spent = state.node.x[:4].copy(), 0.0, 0.0
     for t in np.linspace(0.0, 1.0, 20_001):

@@ -21,7 +21,7 @@ def test_a_result_of_pytest_becomes_a_table(tmp_path):
     assert "On 2026-11-29: 1 passed, 2 failed, 1 skipped, in 2.0 h. shellcut " in text
     assert "| `tests/regression/test_opening.py` | 0 | 2 | 0 | 60.1 |" in text
     assert "| `tests/unit/test_mesh.py` | 1 | 0 | 1 | 1.5 |" in text
-    page = nightly.with_section("# A\n\n## The slow tests\n\nold\n\n## B\n\nb\n", result)
+    page = nightly.with_section("# A\n\n## The nightly tests\n\nold\n\n## B\n\nb\n", result)
     assert page == "# A\n\n" + text + "\n## B\n\nb\n"
     assert nightly.with_section(page, result) == page
 

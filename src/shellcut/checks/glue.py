@@ -25,7 +25,7 @@ def check_glue(
             continue
         law, bending = term.law, float(material.bending_stiffness[0, 0])
         side = sqrt(float(mesh.quad_areas()[term.quads].max()))
-        zone = (12.0 * bending * law.energy / law.strength**2) ** 0.25
+        zone = sqrt(sqrt(12.0 * bending * law.energy) / law.strength)
         fold = sqrt(0.5 * bending / law.energy)
         slow = _SLOW * sqrt(law.energy / material.area_density)
         resolved = (

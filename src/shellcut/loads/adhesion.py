@@ -88,7 +88,7 @@ class Adhesion:
     --------
     >>> seal = Adhesion("seal", energy=0.05)
     >>> seal.law(ShellMaterial.homogeneous(), side=0.5).strength.__round__(3)
-    0.338
+    0.344
     """
 
     nodes: Annotated[
@@ -318,6 +318,22 @@ class GluePoints(ForceTerm):
             np.bincount(self.row, minlength=n), 1
         )
         return {self.name: damage}
+
+    def summary(self) -> Mapping[str, float]:
+        """Return which shares of the glued area are damaged and have let go, and the largest lift.
+
+        The lift is that of glue that has not let go.
+        """
+        p, damage = self.points, self.damage
+        lift = np.einsum("nc,nc->n", p.parted, p.normal)[damage < 1.0].max(initial=0.0)
+        damaged, gone = (
+            p.area[some].sum() / p.area.sum() for some in (damage > 0.0, damage >= 1.0)
+        )
+        return {
+            f"{self.name}_damaged_rel": float(damaged),
+            f"{self.name}_let_go_rel": float(gone),
+            f"{self.name}_lift_mm": float(lift),
+        }
 
     def saved(self) -> dict[str, Any]:
         """Return history, and work and forces of the last step."""

@@ -219,7 +219,7 @@ class ShellMaterial:
         """Stiffness against bending about the neutral plane, shape (3, 3) [N*mm]."""
         z, weight, materials = self.thickness_points()
         laws = np.array([law.plane_stress() for law in materials])
-        coupling, second = (np.einsum("i,ijk->jk", weight * z**k, laws) for k in (1, 2))
+        coupling, second = (np.einsum("i,ijk->jk", w, laws) for w in (weight * z, weight * z * z))
         return np.asarray(second - product(coupling, inverse(self.membrane_stiffness), coupling))
 
     @property

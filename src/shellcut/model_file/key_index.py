@@ -15,6 +15,7 @@ QUESTIONS = {
     "docs/howto/pierce.md": ("How hard must I press?", "pierce piercing puncture press push entry"),
     "docs/howto/optimise.md": ("Which tooth?", "tooth teeth cap best ranking compare optimise"),
     "docs/howto/loose.md": ("Does a piece come loose?", "piece loose flap bridge lid opening"),
+    "docs/howto/seal.md": ("Will the seal hold while I cut?", "seal glue peel weld lid neck"),
     "docs/howto/sharp.md": ("How sharp must the edge be?", "sharp blunt radius edge wear sever"),
     "docs/howto/own-film.md": (
         "How do I model my film and mouth?",

@@ -59,6 +59,7 @@ def run_summary(
         "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
         "pictures_s": drawing,
         **_of_the_tool(sim, unfelt),
+        **sim.terms.summary(),
     }
     if sim.self_contact is not None:
         figures["self_contact_deepest_mm"] = sim.self_contact.deepest

@@ -32,6 +32,7 @@ def answers(summary: Summary) -> list[tuple[str, str]]:
         *_level(summary, "axial_force", "force to press"),
         *_piercing(summary),
         *_loose(summary),
+        *_glue(summary),
         *_flanks(summary),
         *_sharpness(summary),
     ]
@@ -98,6 +99,25 @@ def _loose(summary: Summary) -> Iterator[tuple[str, str]]:
     pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
     area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
     yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+
+
+def _glue(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield whether each glue holds, has begun to peel, or has let go."""
+    for key in summary:
+        name = key.removesuffix("_let_go_rel")
+        if name == key:
+            continue
+        damaged, gone = (100.0 * summary[f"{name}_{what}_rel"] for what in ("damaged", "let_go"))
+        if damaged == 0.0:
+            said = "it holds: no part is damaged"
+        elif gone == 0.0:
+            lift = with_unit(f"{name}_lift_mm", summary[f"{name}_lift_mm"])
+            said = (
+                f"it holds, but {damaged:.2g} % of its area is damaged and lifted by up to {lift}"
+            )
+        else:
+            said = f"{gone:.3g} % of its area has let go"
+        yield name, said
 
 
 def _flanks(summary: Summary) -> Iterator[tuple[str, str]]:

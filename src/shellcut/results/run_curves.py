@@ -18,8 +18,7 @@ from .summary_figures import said_of, window_of
 _NEGATIVE_SHARE = 0.01
 
 # Parts of the energy balance, each with a colour that is the same in all pictures.
-_COLOURED = "cables damping strain kinetic contact material_dissipated friction joint_friction"
-_COLOURS = {name: f"a{k}" for k, name in enumerate([*_COLOURED.split(), "self_contact"])}
+_COLOURS = {part.name: f"a{k}" for k, part in enumerate(TAKEN_UP)}
 
 # Teeth whose curves differ by less than this part of the largest value are drawn as one.
 _ALIKE = 0.01

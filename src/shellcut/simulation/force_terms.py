@@ -118,6 +118,10 @@ class ForceTerms:
         """Return the numbers of each quad and copy that terms show in frames, by their names."""
         return {name: row for term in self._terms for name, row in term.by_row(state).items()}
 
+    def summary(self) -> dict[str, float]:
+        """Return the values of all terms for ``summary.json``."""
+        return {name: value for term in self._terms for name, value in term.summary().items()}
+
     @property
     def wrench_over_turn(self) -> Floats:
         """Integral over the angle of the wrench in the world's axes and origin, (6,), [N, N·mm].

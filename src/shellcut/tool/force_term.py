@@ -122,6 +122,10 @@ class ForceTerm:
         """
         return {}
 
+    def summary(self) -> Mapping[str, float]:
+        """Return values for ``summary.json``; names end with the unit, as ``_mm`` or ``_rel``."""
+        return {}
+
     def stored(self, state: State) -> Mapping[str, float]:
         """Return the entries of the energy balance that are functions of the state [N·mm]."""
         return {}

@@ -25,7 +25,8 @@ INK = "#1b1f24"
 """Black; pages make it white in the dark."""
 
 # Okabe and Ito: distinguishable for colour-blind readers, calm enough for areas.
-_AREAS = ["e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7", "999999", "7a5195"]
+_AREAS = ["e69f00", "56b4e9", "009e73", "f0e442", "0072b2", "d55e00", "cc79a7"]
+_AREAS += ["999999", "7a5195", "8c6d31"]
 
 # Thin lines below those of the sums, in none of their colours.
 _TEETH = ("#2c9c62", "#8a63c9", "#a58a12", "#9c5a3c", "#159aa0", "#c565ae", "#5f6b78", "#a9b0b8")

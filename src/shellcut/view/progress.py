@@ -154,7 +154,9 @@ class Progress:
             done = percent(share)
             self._bar.update(self._task, completed=share, done=done, text=text, refresh=True)
         else:
-            line = f"{percent(share)} %: {', '.join([*named[:2], *left])}"
+            line = f"{percent(share)} %"
+            if said := ", ".join([*named[:2], *left]):
+                line += f": {said}"
             if self._log is not None:
                 self._log(line)
             self._write(line)
