@@ -119,6 +119,6 @@ def test_a_tool_that_is_huge_beside_the_film():
     blade = straight_blade(length=4.0).translated((0.0, 0.0, 3.0))
     motion = sc.StraightMotion([1.0, 0.0, 0.0], speed=1e3)
     with pytest.raises(
-        ValueError, match=r"1,000,000 contact points at most .* is the unit of film"
+        ValueError, match=r"1,000,000 contact points at most, .* is the unit of film"
     ):
         sc.Simulation(mesh, FILM, tool=blade, motion=motion, law=sc.CohesiveLaw())

@@ -115,7 +115,7 @@ class ErrorBars:
     >>> runs = Run("as given", "", 1.0), Run("finer mesh", "mesh", 0.5)
     >>> bar = error_bar("force_peak_N", runs, [3.2, 3.1])
     >>> print(ErrorBars("1f3c", runs, (bar,), {}))
-    result                                             value        ±      mesh     speed   scatter
+    result                                              value        ±      mesh     speed   scatter
     force, peak [N]                                      3.10     0.10       0.1         -         -
     force, peak: the order needs three meshes; most of ± is mesh: sides half as long would leave \
 ± 0.05 N
