@@ -6,8 +6,8 @@ else has a default: its work counts as that of a load, no stiffness, nothing sto
 term whose force depends on positions must give its stiffness, or the step is too long for it and
 the run loses its energy balance. A new one is a class of its own and an entry in
 ``Simulation(terms=...)``, also of the ready models (``opening_test(terms=...)``); a model file has
-no key for it. A checkpoint compares the
-fields of one that is a dataclass, of another only its class.
+no key for it. A checkpoint compares the fields of a term that is a dataclass, of another only its
+class.
 """
 
 from __future__ import annotations
