@@ -263,8 +263,8 @@ class GluePoints(ForceTerm):
     def _follow_cuts(self, state: State) -> None:
         """Hand the points of cut quads to the copies that have their places; read the nodes."""
         parent = state.quad.parent[: state.n_quad]
-        n_row = np.bincount(parent, minlength=int(self._quad.max()) + 1)
-        for quad in np.unique(self._quad[n_row[self._quad] > 1]).tolist():
+        changed = np.intersect1d(parent[self._known.changed_quads(state)], self.quads)
+        for quad in changed.tolist():
             rows = np.flatnonzero(parent == quad)
             points = np.flatnonzero(self._quad == quad)
             depth = [_depth(self._part_of(row)[0], self.place[points]) for row in rows.tolist()]
