@@ -293,7 +293,7 @@ def test_wrong_input_is_refused(given, words):
         sc.Simulation(mesh, FILM, terms=[sc.Adhesion(**{"energy": 0.05, **given})])
 
 
-def test_quads_that_do_not_resolve_the_glue_are_distrusted():
+def test_what_the_quads_resolve_of_a_glue_is_said():
     mesh = rectangle(4.0, 2.0, size=0.5)
 
     def found(**options):
@@ -305,8 +305,10 @@ def test_quads_that_do_not_resolve_the_glue_are_distrusted():
     assert told.severity == "note"
     assert "strength 0.344 MPa" in told.came
     (stiff,) = found(strength=3.0)
-    assert stiff.severity == "doubt"
-    assert "make the glued quads 0.17 mm small" in stiff.remedy
+    assert "make its quads 0.17 mm small" in stiff.remedy
+    assert sc.results.answers.answers(
+        {**glued_cut().simulation.terms.summary(), "adhesion_damaged_rel": 0.1}
+    ) == [("adhesion", "it holds, but 10 % of its area is damaged and lifted by up to 0 mm")]
 
 
 def test_glue_supports_a_film():

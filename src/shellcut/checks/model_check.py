@@ -118,7 +118,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     support = support_of(sim)
     yield from check_numbers(mesh, sim.material, law, sim.tool)
     yield from check_strength(sim.material, law)
-    yield from check_glue(mesh, sim.material, sim.terms)
+    yield from check_glue(sim.material, sim.terms)
     if sim.tool is None:
         return
     if sim.motion is not None:

@@ -160,7 +160,8 @@ class Adhesion:
         normal = None if self.normal is None else unit(three("normal", self.normal))
         if normal is not None and not normal.any():
             raise ValueError(f"the normal of {self.name} must have a direction, got {self.normal}")
-        return GluePoints(self.name, self.law(material, side), mesh, quads, normal, part_of)
+        law, bending = self.law(material, side), float(material.bending_stiffness[0, 0])
+        return GluePoints(self.name, law, side, bending, mesh, quads, normal, part_of)
 
 
 def _ids(glue: Adhesion, mesh: Mesh) -> Ints:
@@ -200,6 +201,10 @@ class GluePoints(ForceTerm):
     ----------
     name : str
     law : GlueLaw
+    side : float
+        Of the largest glued quad [mm].
+    bending : float
+        Stiffness of the film [N·mm].
     mesh : Mesh
     quads : ndarray of int, shape (n,)
         That are glued.
@@ -219,12 +224,19 @@ class GluePoints(ForceTerm):
         self,
         name: str,
         law: GlueLaw,
+        side: float,
+        bending: float,
         mesh: Mesh,
         quads: Ints,
         normal: Floats | None,
         part_of: Callable[[int], Any],
     ) -> None:
         self.name, self.law, self.quads, self._part_of = name, law, quads, part_of
+        self.side = side
+        self.zone = sqrt(sqrt(12.0 * bending * law.energy) / law.strength)
+        """Length over which it lets go where it peels [mm]."""
+        self.fold = sqrt(0.5 * bending / law.energy)
+        """Radius with which the film bends there [mm]."""
         self.touch = Touch.none(0, 3)
         n = 4 * quads.size
         self._quad = np.repeat(quads, 4)
@@ -271,6 +283,11 @@ class GluePoints(ForceTerm):
             self.row[points] = rows[np.argmax(depth, axis=0)]
         self.points.corners[:] = state.quads[self.row]
         self._known.take(state)
+
+    @property
+    def resolved(self) -> float:
+        """Zone or radius, the smaller, over that which the quads resolve; 1 or more is enough."""
+        return (1.0 + 1e-9) * min(self.zone, self.fold) / (ZONE_SIDES * self.side)
 
     @property
     def damage(self) -> Floats:
@@ -333,6 +350,7 @@ class GluePoints(ForceTerm):
             f"{self.name}_damaged_rel": float(damaged),
             f"{self.name}_let_go_rel": float(gone),
             f"{self.name}_lift_mm": float(lift),
+            f"{self.name}_resolved_rel": self.resolved,
         }
 
     def saved(self) -> dict[str, Any]:

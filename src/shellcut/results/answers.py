@@ -117,6 +117,8 @@ def _glue(summary: Summary) -> Iterator[tuple[str, str]]:
             )
         else:
             said = f"{gone:.3g} % of its area has let go"
+        if damaged > 0.0 and summary[f"{name}_resolved_rel"] < 1.0:
+            said += " (doubtful: the quads do not resolve how it peels)"
         yield name, said
 
 
