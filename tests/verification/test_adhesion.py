@@ -19,6 +19,7 @@ from gone_on import check_goes_on
 from naive.glue_law import traction
 from shellcut.meshing import rectangle
 from shellcut.models import guillotine
+from shellcut.results.answers import answers
 
 FILM = sc.ShellMaterial.homogeneous()
 YOUNG, THICKNESS = 1678.0, 0.074
@@ -306,9 +307,12 @@ def test_what_the_quads_resolve_of_a_glue_is_said():
     assert "strength 0.344 MPa" in told.came
     (stiff,) = found(strength=3.0)
     assert "make its quads 0.17 mm small" in stiff.remedy
-    assert sc.results.answers.answers(
-        {**glued_cut().simulation.terms.summary(), "adhesion_damaged_rel": 0.1}
-    ) == [("adhesion", "it holds, but 10 % of its area is damaged and lifted by up to 0 mm")]
+    damaged = {"adhesion_damaged_rel": 0.1, "adhesion_lift_mm": 0.02}
+    summary = {**glued_cut().simulation.terms.summary(), **damaged}
+    said = "it holds, but 10 % of its area is damaged and lifted by up to 0.02 mm"
+    assert answers(summary) == [("adhesion", said)]
+    (_, unsure), *_ = answers({**summary, "adhesion_resolved_rel": 0.9})
+    assert unsure == f"{said} (doubtful: the quads do not resolve how it peels)"
 
 
 def test_glue_supports_a_film():
