@@ -1,7 +1,7 @@
 """A flat film hangs on where it lies, one with a shape at the start does not.
 
-The table of docs/theory/time.md. At z = 10 mm round-off is too coarse for the film to leave its
-plane, and the upright blade presses it by its whole thickness.
+The table of docs/theory/time.md. At z = 10 mm round-off decides whether the film leaves its plane;
+where it does not, the upright blade presses it by its whole thickness.
 """
 
 import numpy as np
@@ -41,5 +41,8 @@ def force_at(z, number):
 def test_the_force_is_that_of_the_page(number):
     _, rows = table("docs/theory/time.md", "| $z$ = 0")
     for z, told in zip((0.0, 10.0), rows[number][1:], strict=True):
-        found = force_at(z, number)
-        assert shown_as(told, found), (z, found)
+        found, ends = force_at(z, number), [float(end) for end in told.split(" to ")]
+        if len(ends) == 2:  # the least and the largest that was found: it is round-off's choice
+            assert ends[0] - 0.01 < found < ends[1] + 0.01, (z, found)
+        else:
+            assert shown_as(told, found), (z, found)
