@@ -31,7 +31,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy, three, unit
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.bilinear import shape_functions
+from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import add_scaled, dot, load, scale, store, sub
 from shellcut.state import KnownTopology, State
@@ -123,8 +123,8 @@ class Adhesion:
         Without a strength it is that at which the process zone has 1.5 sides,
         s = sqrt(E' tau) h^1.5 / (1.5 side)², with E' h³/12 the bending stiffness.
         """
-        bending = 12.0 * float(material.bending_stiffness[0, 0])
-        strength = self.strength or sqrt(bending * self.energy) / (ZONE_SIDES * side) ** 2
+        bending = float(material.bending_stiffness[0, 0])
+        strength = self.strength or sqrt(12.0 * bending * self.energy) / (ZONE_SIDES * side) ** 2
         stiffness = self.stiffness or _STIFFNESS * strength**2 / self.energy
         law = GlueLaw(self.energy, strength, stiffness, self.shear)
         if not law.first < law.last:
@@ -370,9 +370,8 @@ def _areas(corners: Floats) -> Floats:
     """Return the area of each glue point of quads with corners : (n, 4, 3), (n, 4) [mm²]."""
     found = []
     for xi, eta in _GAUSS.tolist():
-        along = np.array([-(1 - eta), 1 - eta, 1 + eta, -(1 + eta)]) / 4.0
-        across = np.array([-(1 - xi), -(1 + xi), 1 + xi, 1 - xi]) / 4.0
-        a1, a2 = (np.einsum("a,nac->nc", slopes, corners) for slopes in (along, across))
+        slopes = slopes_by_xi(eta), slopes_by_eta(xi)
+        a1, a2 = (np.einsum("a,nac->nc", np.array(of), corners) for of in slopes)
         found.append(np.linalg.norm(np.cross(a1, a2), axis=1))
     return np.stack(found, axis=1)
 

@@ -46,7 +46,8 @@ def conclusion(summary: Mapping[str, Any], n_doubt: int) -> str:
     trust = [f"there {'is' if n_doubt == 1 else 'are'} {counted(n_doubt, 'doubt')}"] * (n_doubt > 0)
     if doubtful := distrusted_figures(summary):
         names = dict.fromkeys(label_of(n).partition(",")[0] for n in doubtful)
-        trust.append(f"one value is doubtful: the {', '.join(names)}")
+        number = "one value is" if len(names) == 1 else f"{len(names)} values are"
+        trust.append(f"{number} doubtful: the {', '.join(names)}")
     end = " and ".join(trust) or "no check failed"
     return f"{who[0].upper()}{who[1:]} took a {name} of {said[0]}{but}; {end}."
 
