@@ -210,7 +210,6 @@ PAGES = {
     "docs/howto/loose.md": Page(
         (a_run,), said=r"^[\d.]+ 0\.0 4\.0 [\d.]+$", left="teeth/optimum.json"
     ),
-    "docs/howto/seal.md": Page(),
     "docs/howto/model-file.md": Page(said=r"Mesh\(", left="cap.toml cap.png out used.toml"),
     "docs/howto/optimise.md": Page(
         (caps,),
