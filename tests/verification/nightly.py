@@ -1,11 +1,10 @@
-"""The last result of the slow tests, a section of docs/verification.md.
+"""The last result of each file of slow tests, a section of docs/verification.md.
 
-    .ci/nightly                                                        # runs them, then this:
-    python tests/verification/nightly.py build/nightly.xml             # prints the table
-    python tests/verification/nightly.py build/nightly.xml --write     # and writes the section
+    .ci/nightly                                              # runs them, then this:
+    python tests/verification/nightly.py build/nightly.xml   # stores the result, writes the section
 
-The result is stored beside this file, in ``nightly.json``. The section is part of the page's head,
-which report.py keeps.
+The results are stored beside this file, in ``nightly.json``. A run of some files renews their rows
+and leaves the others. The section is part of the page's head, which report.py keeps.
 """
 
 from __future__ import annotations
@@ -21,33 +20,30 @@ from pathlib import Path
 from typing import Any
 
 STORED = Path(__file__).with_name("nightly.json")
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "verification.md"
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "verification.md"
 HEADING = "## The nightly tests"
 WORDS = ("passed", "failed", "skipped")
 
 
-def result_of(xml: Path) -> dict[str, Any]:
+def rows_of(xml: Path) -> dict[str, dict[str, Any]]:
     """Return what pytest's ``--junitxml`` file tells, a row a file of tests."""
     suite = ElementTree.parse(xml).getroot().find("testsuite")
     assert suite is not None, f"{xml} is no result of pytest"
-    files: dict[str, dict[str, float]] = defaultdict(lambda: dict.fromkeys((*WORDS, "seconds"), 0))
+    empty = {
+        **dict.fromkeys((*WORDS, "seconds"), 0),
+        "date": suite.get("timestamp", "")[:10],
+        "with": f"shellcut {version('shellcut-fem')}, Python {platform.python_version()}, "
+        f"Numba {version('numba')}, {platform.system()} {platform.machine()}",
+    }
+    rows: dict[str, dict[str, Any]] = defaultdict(lambda: dict(empty))
     for case in suite.iter("testcase"):
         parts = case.get("classname", "").split(".")
         last = next((k for k, part in enumerate(parts) if part.startswith("test_")), len(parts) - 1)
-        row = files["/".join(parts[: last + 1]) + ".py"]
+        row = rows["/".join(parts[: last + 1]) + ".py"]
         row[_outcome(case)] += 1
         row["seconds"] += float(case.get("time", 0.0))
-    return {
-        "date": suite.get("timestamp", "")[:10],
-        "seconds": float(suite.get("time", 0.0)),
-        "machine": f"{platform.system()} {platform.machine()}",
-        "versions": {
-            "shellcut": version("shellcut-fem"),
-            "Python": platform.python_version(),
-            **{name: version(name.lower()) for name in ("NumPy", "Numba", "SciPy")},
-        },
-        "files": dict(sorted(files.items())),
-    }
+    return dict(rows)
 
 
 def _outcome(case: ElementTree.Element) -> str:
@@ -56,58 +52,52 @@ def _outcome(case: ElementTree.Element) -> str:
     return "passed" if case.find("skipped") is None else "skipped"
 
 
-def section(result: dict[str, Any] | None) -> list[str]:
+def section(rows: dict[str, dict[str, Any]]) -> list[str]:
     """Return the lines of the section."""
-    lines = [HEADING, ""]
-    if result is None:
-        return [*lines, "`.ci/nightly` runs them. No result is stored yet.", ""]
-    files = result["files"]
-    total = {word: sum(row[word] for row in files.values()) for word in WORDS}
-    versions = ", ".join(f"{name} {number}" for name, number in result["versions"].items())
+    total = {word: sum(row[word] for row in rows.values()) for word in WORDS}
     return [
-        *lines,
-        f"`.ci/nightly` runs all tests marked *slow* in a fresh environment. On {result['date']}: "
-        + ", ".join(f"{total[word]} {word}" for word in WORDS)
-        + f", in {result['seconds'] / 3600:.1f} h. {versions}; {result['machine']}. The minutes of "
-        "a row are the sum over its tests, some of which ran at the same time.",
+        HEADING,
         "",
-        f"| file of tests | {' | '.join(WORDS)} | minutes |",
-        "|---|" + "---:|" * 4,
+        "`.ci/nightly` runs the tests marked *slow*, or those of the files that are named, in a "
+        "fresh environment. The last result of each file: "
+        + ", ".join(f"{total[word]} {word}" for word in WORDS)
+        + ". The minutes of a row are the sum over its tests, some of which ran at the same time.",
+        "",
+        f"| file of tests | {' | '.join(WORDS)} | minutes | on | with |",
+        "|---|" + "---:|" * 4 + "---|---|",
         *(
             f"| `{name}` | {' | '.join(str(row[word]) for word in WORDS)} | "
-            f"{row['seconds'] / 60:.1f} |"
-            for name, row in files.items()
+            f"{row['seconds'] / 60:.1f} | {row['date']} | {row['with']} |"
+            for name, row in sorted(rows.items())
         ),
         "",
     ]
 
 
-def stored() -> dict[str, Any] | None:
-    """Return the last result, None before the first."""
-    return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else None
+def stored() -> dict[str, dict[str, Any]]:
+    """Return the last row of each file."""
+    return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
 
 
-def with_section(page: str, result: dict[str, Any] | None) -> str:
+def with_section(page: str, rows: dict[str, dict[str, Any]]) -> str:
     """Return the page with the section in the place of the one that it has."""
     before, heading, after = page.partition(HEADING + "\n")
     assert heading, f"the page has no section {HEADING!r}"
     follows = re.search(r"^(?:## |<!-- )", after, re.M)
     rest = after[follows.start() :] if follows else ""
-    return before + "\n".join([*section(result), rest])
+    return before + "\n".join([*section(rows), rest])
 
 
 def main() -> None:
-    """Print the table; store it and write the section if asked to."""
+    """Store the rows, print the section and write it."""
     parser = argparse.ArgumentParser(description="The result of the slow tests.")
     parser.add_argument("xml", type=Path, help="what pytest --junitxml has written")
-    parser.add_argument("--write", action="store_true", help="store it, and write the page")
-    arguments = parser.parse_args()
-    result = result_of(arguments.xml)
-    print("\n".join(section(result)))
-    if arguments.write:
-        STORED.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-        page = PAGE.read_text(encoding="utf-8")
-        PAGE.write_text(with_section(page, result), encoding="utf-8")
+    rows = stored() | rows_of(parser.parse_args().xml)
+    rows = {name: row for name, row in sorted(rows.items()) if (ROOT / name).exists()}
+    STORED.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
+    print("\n".join(section(rows)))
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(with_section(page, rows), encoding="utf-8")
 
 
 if __name__ == "__main__":
