@@ -108,8 +108,9 @@ def test_peel_at_a_right_angle(energy):
     assert peel.energy_of_force(8.0, 14.0) == pytest.approx(1.0, abs=0.03)
     ledger = peel.sim.close_ledger()
     assert abs(ledger.relative(ledger.imbalance)) < 1e-4
+    # The work takes the mean force of a step, over a few of which a node lets go.
     assert ledger.adhesion_dissipated + ledger.adhesion_stored == pytest.approx(
-        ledger.adhesion_work, rel=1e-6
+        ledger.adhesion_work, rel=1e-5
     )
 
 
@@ -157,44 +158,46 @@ def test_peel_from_a_cylinder():
     assert share == pytest.approx(1.0, abs=0.06)
 
 
-def glued_cut(**options):
-    """A guillotine through the quads of a strip that is glued all over, weakly."""
-    quads = np.arange(12 * 7)
+def glued_cut(path="free", **options):
+    """A guillotine through a strip that is glued all over, weakly."""
+    n_across = 7 if path == "free" else 8
+    quads = np.arange(12 * n_across)
     glue = sc.Adhesion(quads=quads, energy=0.02, strength=0.2)
-    size = {"length": 6.0, "width": 3.5, "notch": 1.0, "travel": 2.0}
-    free = sc.Fracture(path="free")
-    case = guillotine(0.5, **size, terms=[glue], fracture=free, **options)
+    size = {"length": 6.0, "width": 0.5 * n_across, "notch": 1.0, "travel": 2.0}
+    cracks = sc.Fracture(path=path)
+    case = guillotine(0.5, **size, terms=[glue], fracture=cracks, **options)
     assert case.simulation.mesh.n_quad == quads.size
     return case
 
 
-def test_a_cut_hands_the_glue_to_the_copies():
-    case = glued_cut()
+@pytest.mark.parametrize("path", ["free", "edges"])
+def test_a_cut_divides_the_glue_among_the_duplicates(path):
+    case = glued_cut(path)
     sim = case.simulation
     glue = glue_of(sim)
     area = glue.points.area.sum()
-    assert area == pytest.approx(21.0, rel=1e-12)
+    assert area == pytest.approx(sim.mesh.quad_areas().sum(), rel=1e-12)
     sim.run(case.duration)
-    assert sim.state.n_quad > sim.mesh.n_quad  # quads were cut
+    assert len(sim.state.split_log) > 2
     ledger = sim.close_ledger()
     assert abs(ledger.relative(ledger.imbalance)) < 2e-4
-    parent = sim.state.quad.parent
-    rows = np.flatnonzero((np.bincount(parent[: sim.state.n_quad]) > 1)[parent[: sim.state.n_quad]])
-    topology, seen = sim.cracks.cuts.topology, 0
-    for row in rows.tolist():
-        polygon = np.array(topology.polygon(row)[0])
-        for point in np.flatnonzero(glue.row == row):
-            assert inside(polygon, glue.place[point])
-            seen += 1
-    assert seen == 4 * np.unique(parent[rows]).size
+    points = glue.points
+    assert points.area.sum() == pytest.approx(area, rel=1e-12)
+    # Each duplicate has a share of the area of the mesh's node, and its place on the base.
+    node, n = sim.state.node, sim.mesh.n_node
+    assert node.real[points.node].all()
+    origin = node.origin[points.node]
+    share = np.bincount(origin, points.area, n)
+    whole = np.bincount(node.origin[:n], nodal_areas(sim.mesh), n)
+    np.testing.assert_allclose(share, whole, rtol=1e-12)
+    # A crack through quads passes beside the nodes.
+    assert np.sum(np.bincount(origin) > 1) == (0 if path == "free" else 5)
+    np.testing.assert_allclose(points.base, node.X[points.node], atol=1e-3)
 
 
-def inside(polygon, place):
-    """Whether a place lies in a convex polygon, by the signs of the areas to its sides."""
-    ends = np.roll(polygon, -1, axis=0)
-    area = (ends[:, 0] - polygon[:, 0]) * (place[1] - polygon[:, 1])
-    area -= (ends[:, 1] - polygon[:, 1]) * (place[0] - polygon[:, 0])
-    return bool((area > -1e-9).all())
+def nodal_areas(mesh):
+    """Return the area of the quarters of squares that meet at each node."""
+    return np.bincount(mesh.quads.ravel(), np.repeat(mesh.quad_areas() / 4.0, 4), mesh.n_node)
 
 
 def test_a_run_goes_on_bit_for_bit(tmp_path):
@@ -226,24 +229,17 @@ def test_traction_on_any_path_is_that_of_the_plain_law():
     sim = sc.Simulation(mesh, FILM, terms=[glue])
     points, state, generator = glue_of(sim).points, sim.state, np.random.default_rng(3)
     largest, start = np.zeros(4), state.node.x[:4].copy()
-    base = np.einsum("pa,pac->pc", points.weight, start[points.corners])
     broke = 0
     for reach in np.linspace(0.002, 0.7, 90):
         state.node.x[:4] = start + reach * generator.uniform(-1.0, 1.0, (4, 3))
         state.node.force_rows[:] = 0.0
         glue_of(sim).add_forces(state, sim.pose)
-        places = np.einsum("pa,pac->pc", points.weight, state.node.x[points.corners])
         expected = np.zeros((4, 3))
         for k in range(4):
-            expected[k], largest[k] = traction(places[k] - base[k], normal, largest[k], **LAW)
+            apart = state.node.x[k] - start[k]
+            expected[k], largest[k] = traction(apart, normal, largest[k], **LAW)
         np.testing.assert_allclose(points.traction, expected, atol=1e-12)
-        nodal = np.zeros((4, 3))
-        np.add.at(
-            nodal,
-            points.corners,
-            (points.weight * points.area[:, None])[..., None] * expected[:, None],
-        )
-        np.testing.assert_allclose(state.node.force[:4], nodal, atol=1e-12)
+        np.testing.assert_allclose(state.node.force[:4], 0.25 * expected, atol=1e-12)
         broke = int((largest >= 0.2).sum())
     assert broke == 4
 

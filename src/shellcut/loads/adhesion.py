@@ -1,8 +1,8 @@
 """Glue between a film and a rigid base: it holds, peels and lets go by a cohesive law.
 
-Glue points are the 2 x 2 Gauss points of the glued quads. Each has an area A, a place X_P on the
-base, where the film lies at t_0, and a normal n of the base, towards the film. With
-u = sum N_a x_a - X_P, u_n = u · n and u_t = u - u_n n,
+Glue points are the nodes of the glued quads. Each has the area A of the corners of quads that meet
+there, a place X_P on the base, where the node lies at t_0, and a normal n of the base, towards the
+film. With u = x - X_P, u_n = u · n and u_t = u - u_n n,
 
     (1)  d = sqrt(<u_n>² + b² |u_t|²),   m the largest d so far
     (2)  D = d_f (m - d_0) / (m (d_f - d_0)),   d_0 = s/K,   d_f = 2 tau/s
@@ -13,9 +13,9 @@ weight b of shear; <a> is a where it is positive, else 0. Stored are ½ (1 - D) 
 per area, dissipated tau (m - d_0) / (d_f - d_0), from 0 to tau. Unloading follows the secant. Where
 all is dissipated, the base still bears film that presses on it.
 
-The nodes of the row in which a point lies take N_a A p. After a cut that is the copy whose film has
-the point's place: area, history and energy are conserved. docs/theory/adhesion.md derives which
-strength a mesh resolves, and compares with closed forms.
+A crack that parts a node, or the corners around it, divides its area among the duplicates; each
+keeps the history. Nodes of a copy of a cut quad that lie beyond the crack have no film, so no glue.
+docs/theory/adhesion.md derives which strength a mesh resolves, and compares with closed forms.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy, three, unit
+from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy, norm, three, unit
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
+from shellcut.mesh.quad_geometry import corner_vectors
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import add_scaled, dot, load, scale, store, sub
 from shellcut.state import KnownTopology, State
@@ -46,8 +46,6 @@ ZONE_SIDES = 1.5
 
 # Stiffness over s²/tau: d_f is 20 times d_0.
 _STIFFNESS = 10.0
-
-_GAUSS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) / sqrt(3.0)
 
 _WORK, _STORED, _DISSIPATED = range(3)
 """Columns of ``touch.sums``."""
@@ -152,16 +150,16 @@ class Adhesion:
         return mesh.quad_set(self.quads) if isinstance(self.quads, str) else _ids(self, mesh)
 
     def for_film(
-        self, mesh: Mesh, material: ShellMaterial, part_of: Callable[[int], Any]
+        self, mesh: Mesh, material: ShellMaterial, _part_of: Callable[[int], Any]
     ) -> ForceTerm:
         """Return the glue points of a film."""
-        quads = self.glued_quads(mesh)
+        quads = np.unique(self.glued_quads(mesh))
         side = sqrt(float(mesh.quad_areas()[quads].max()))
         normal = None if self.normal is None else unit(three("normal", self.normal))
         if normal is not None and not normal.any():
             raise ValueError(f"the normal of {self.name} must have a direction, got {self.normal}")
         law, bending = self.law(material, side), float(material.bending_stiffness[0, 0])
-        return GluePoints(self.name, law, side, bending, mesh, quads, normal, part_of)
+        return GluePoints(self.name, law, side, bending, mesh, quads, normal)
 
 
 def _ids(glue: Adhesion, mesh: Mesh) -> Ints:
@@ -176,10 +174,8 @@ def _ids(glue: Adhesion, mesh: Mesh) -> Ints:
 class Points(NamedTuple):
     """Glue points as the kernel takes them."""
 
-    corners: Annotated[Ints, "(n, 4)"]
-    """Nodes of the row in which each lies."""
-    weight: Annotated[Floats, "(n, 4)"]
-    """N_a."""
+    node: Annotated[Ints, "(n,)"]
+    """Where each is, ascending."""
     area: Annotated[Floats, "(n,)"]
     """A [mm²]."""
     base: Annotated[Floats, "(n, 3)"]
@@ -195,7 +191,7 @@ class Points(NamedTuple):
 
 
 class GluePoints(ForceTerm):
-    """The glue points of a film, each in the row that has its place now.
+    """The glue points of a film.
 
     Parameters
     ----------
@@ -207,11 +203,9 @@ class GluePoints(ForceTerm):
         Stiffness of the film [N·mm].
     mesh : Mesh
     quads : ndarray of int, shape (n,)
-        That are glued.
+        That are glued, ascending.
     normal : ndarray, shape (3,), optional
         Of the base; the directors by default.
-    part_of : callable
-        Returns the polygon of a row that is cut.
     """
 
     booked = (
@@ -229,27 +223,27 @@ class GluePoints(ForceTerm):
         mesh: Mesh,
         quads: Ints,
         normal: Floats | None,
-        part_of: Callable[[int], Any],
     ) -> None:
-        self.name, self.law, self.quads, self._part_of = name, law, quads, part_of
-        self.side = side
+        self.name, self.law, self.quads, self.side = name, law, quads, side
         self.zone = sqrt(sqrt(12.0 * bending * law.energy) / law.strength)
         """Length over which it lets go where it peels [mm]."""
         self.fold = sqrt(0.5 * bending / law.energy)
         """Radius with which the film bends there [mm]."""
         self.touch = Touch.none(0, 3)
-        n = 4 * quads.size
-        self._quad = np.repeat(quads, 4)
-        self.row, self.place = self._quad.copy(), np.tile(_GAUSS, (quads.size, 1))
-        weight = np.stack(shape_functions(*self.place.T), axis=1)
-        corners = mesh.quads[self._quad]
-        director = unit(np.einsum("na,nac->nc", weight, mesh.directors[corners]))
+        X, corners = mesh.nodes, mesh.quads[quads].astype(np.int64)
+        sides = (corner_vectors(X, corners, a) for a in range(4))
+        self._area = np.stack([0.25 * norm(np.cross(p, q)) for p, q in sides], axis=1)
+        """Of each corner of the glued quads, shape (n_quad, 4) [mm²]."""
+        self._row = np.repeat(quads[:, None], 4, axis=1)
+        """Row of each corner, the copy that has its film."""
+        node, self._point = _merged(corners)
+        """Glue point of each corner."""
+        n = node.size
         self.points = Points(
-            corners=np.ascontiguousarray(corners, np.int64),
-            weight=weight,
-            area=_areas(mesh.nodes[mesh.quads[quads]]).ravel(),
-            base=np.zeros((n, 3)),
-            normal=director if normal is None else np.tile(normal, (n, 1)),
+            node=node,
+            area=np.bincount(self._point.ravel(), self._area.ravel(), n),
+            base=X[node].copy(),
+            normal=mesh.directors[node].copy() if normal is None else np.tile(normal, (n, 1)),
             largest=np.zeros(n),
             parted=np.zeros((n, 3)),
             traction=np.zeros((n, 3)),
@@ -260,28 +254,30 @@ class GluePoints(ForceTerm):
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add the forces at t_n; at the first call the base is where the film lies."""
-        if not self._known.is_of(state):
-            self._follow_cuts(state)
+        self._follow_cuts(state)
         n = state.node
         if not self._begun:
-            self.points.base[:] = self._places(n.x)
+            self.points.base[:] = n.x[self.points.node]
             self._begun = True
         self._call(self.points, self.law, n.x, n.force_rows, self.touch.sums)
 
-    def _places(self, x: Floats) -> Floats:
-        p = self.points
-        return np.asarray(np.einsum("na,nac->nc", p.weight, x[p.corners]))
-
     def _follow_cuts(self, state: State) -> None:
-        """Hand the points of cut quads to the copies that have their places; read the nodes."""
+        """Find the node that has the film of each corner; points that part keep the history."""
+        if self._known.is_of(state):
+            return
         parent = state.quad.parent[: state.n_quad]
-        changed = np.intersect1d(parent[self._known.changed_quads(state)], self.quads)
-        for quad in changed.tolist():
-            rows = np.flatnonzero(parent == quad)
-            points = np.flatnonzero(self._quad == quad)
-            depth = [_depth(self._part_of(row)[0], self.place[points]) for row in rows.tolist()]
-            self.row[points] = rows[np.argmax(depth, axis=0)]
-        self.points.corners[:] = state.quads[self.row]
+        rows = np.flatnonzero(np.isin(parent, self.quads))
+        nodes = state.quads[rows].astype(np.int64)
+        copy, corner = np.nonzero(state.node.real[nodes])
+        place = np.searchsorted(self.quads, parent[rows[copy]]), corner
+        found = self.points.node[self._point]
+        found[place], self._row[place] = nodes[copy, corner], rows[copy]
+        node, point = _merged(found)
+        before = np.zeros(node.size, np.int64)
+        before[point], self._point = self._point, point
+        kept = {name: column[before] for name, column in self.points._asdict().items()}
+        kept["area"] = np.bincount(point.ravel(), self._area.ravel(), node.size)
+        self.points = Points(**{**kept, "node": node})
         self._known.take(state)
 
     @property
@@ -297,44 +293,43 @@ class GluePoints(ForceTerm):
 
     def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the glued nodes and the stiffness of glue and base on each [N/mm]."""
-        if not self._known.is_of(state):
-            self._follow_cuts(state)
-        p, steepest = self.points, self.law.stiffness * max(1.0, self.law.shear**2)
-        return p.corners.ravel(), (steepest * p.area[:, None] * np.abs(p.weight)).ravel()
+        self._follow_cuts(state)
+        steepest = self.law.stiffness * max(1.0, self.law.shear**2)
+        return self.points.node, steepest * self.points.area
 
     def stored(self, _state: State) -> Mapping[str, float]:
         """Return the energy that it would give back [N·mm]."""
         return {"adhesion_stored": float(self.touch.sums[_STORED])}
 
-    def fixed_nodes(self, state: State) -> Ints:
-        """Return the nodes of rows with a point that has not let go."""
-        holds = self.points.largest < self.law.last
-        return np.unique(state.quads[self.row[holds]])
+    def fixed_nodes(self, _state: State) -> Ints:
+        """Return the nodes where it has not let go."""
+        return self.points.node[self.points.largest < self.law.last]
 
     def add_corner_forces(self, state: State, rows: Ints, nodes: Ints, force: Floats) -> None:
         """Add its force on a node from a single row, at the present positions [N].
 
         rows, nodes : (n,), row and one of its nodes.  force : (n, 3), added to.
         """
-        mine = np.flatnonzero(np.isin(self.row, rows))
+        mine = np.flatnonzero(np.isin(self._row, rows))
         if not mine.size:
             return
-        # Copies of the points, each with four nodes of its own: nothing is written to the points.
-        some = {name: column[mine] for name, column in self.points._asdict().items()}
-        corners, x = some["corners"], state.node.x
-        own = Points(**{**some, "corners": np.arange(corners.size).reshape(-1, 4)})
-        on_own = np.zeros((corners.size, 8))
-        self._call(own, self.law, np.asfortranarray(x[corners.ravel()]), on_own, np.zeros(3))
-        asked = (self.row[mine, None] == rows)[:, None] & (corners[..., None] == nodes)
-        force += np.einsum("paq,pac->qc", asked, on_own[:, :3].reshape(-1, 4, 3))
+        row, area = self._row.ravel()[mine], self._area.ravel()[mine]
+        some, point = _merged(self._point.ravel()[mine])
+        # Copies of the points, each with its own node: nothing is written to the points.
+        own = {name: column[some] for name, column in self.points._asdict().items()}
+        node, n = own["node"], some.size
+        own |= {"node": np.arange(n), "area": np.ones(n)}
+        traction = np.zeros((n, 8))
+        x = np.asfortranarray(state.node.x[node])
+        self._call(Points(**own), self.law, x, traction, np.zeros(3))
+        asked, corner = np.nonzero((row == rows[:, None]) & (node[point] == nodes[:, None]))
+        np.add.at(force, asked, area[corner, None] * traction[point[corner], :3])
 
     def by_row(self, state: State) -> dict[str, Floats]:
         """Return the damage of each row, shape (n_row,): 0 where it holds or is not glued."""
-        n = state.n_quad
-        damage = np.bincount(self.row, self.damage, n) / np.maximum(
-            np.bincount(self.row, minlength=n), 1
-        )
-        return {self.name: damage}
+        n, row = state.n_quad, self._row.ravel()
+        damage = np.bincount(row, self.damage[self._point.ravel()], n)
+        return {self.name: damage / np.maximum(np.bincount(row, minlength=n), 1)}
 
     def summary(self) -> Mapping[str, float]:
         """Return which shares of the glued area are damaged and have let go, and the largest lift.
@@ -361,29 +356,16 @@ class GluePoints(ForceTerm):
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
+        self._follow_cuts(state)
         self.touch.sums[:] = saved["sums"]
         for name in ("largest", "parted", "traction"):
             getattr(self.points, name)[:] = saved[name]
 
 
-def _areas(corners: Floats) -> Floats:
-    """Return the area of each glue point of quads with corners : (n, 4, 3), (n, 4) [mm²]."""
-    found = []
-    for xi, eta in _GAUSS.tolist():
-        slopes = slopes_by_xi(eta), slopes_by_eta(xi)
-        a1, a2 = (np.einsum("a,nac->nc", np.array(of), corners) for of in slopes)
-        found.append(np.linalg.norm(np.cross(a1, a2), axis=1))
-    return np.stack(found, axis=1)
-
-
-def _depth(polygon: Sequence[tuple[float, float]], places: Floats) -> Floats:
-    """Return how deep places lie in a convex polygon of xi and eta, (n,); negative outside."""
-    start = np.array(polygon)
-    side = np.roll(start, -1, axis=0) - start
-    arm = places[:, None] - start
-    cross = side[:, 0] * arm[..., 1] - side[:, 1] * arm[..., 0]
-    length = np.maximum(np.linalg.norm(side, axis=1), np.finfo(float).tiny)
-    return np.asarray((cross / length).min(axis=1))
+def _merged(nodes: Ints) -> tuple[Ints, Ints]:
+    """Return which there are, ascending, and the place of each among them, shaped as ``nodes``."""
+    found, place = np.unique(nodes, return_inverse=True)
+    return found, place.reshape(nodes.shape)
 
 
 @kernel
@@ -392,15 +374,13 @@ def add_glue(points: Points, law: GlueLaw, x: Floats, force: Floats, sums: Float
 
     sums : (3,), work on the film since t_{n-1}, energy stored at t_n, and dissipated since [N·mm].
     """
-    corners, weight, area, base, normal, largest, parted, traction = points
+    node, area, base, normal, largest, parted, traction = points
     energy, strength, stiffness, shear = law
     first, last = strength / stiffness, 2.0 * energy / strength
     b2 = shear * shear
     work, stored, dissipated = 0.0, 0.0, 0.0
-    for i in range(corners.shape[0]):
-        u = scale(-1.0, load(base, i))
-        for a in range(4):
-            u = add_scaled(u, weight[i, a], load(x, corners[i, a]))
+    for i in range(node.shape[0]):
+        u = sub(load(x, node[i]), load(base, i))
         n = load(normal, i)
         u_n = dot(u, n)
         u_t = add_scaled(u, -u_n, n)
@@ -421,8 +401,6 @@ def add_glue(points: Points, law: GlueLaw, x: Floats, force: Floats, sums: Float
         work += 0.5 * area[i] * dot(mean, moved)
         store(parted, i, u)
         store(traction, i, p)
-        for a in range(4):
-            node, share = corners[i, a], area[i] * weight[i, a]
-            for c in range(3):
-                force[node, c] += share * p[c]
+        for c in range(3):
+            force[node[i], c] += area[i] * p[c]
     sums[0], sums[1], sums[2] = work, stored, dissipated
