@@ -27,7 +27,7 @@ from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
 from .numerics.borrowed import borrowed
 from .numerics.jit import BoundOnce, always_inline, kernel
 from .numerics.lane_instructions import WIDTH
-from .numerics.lanes import along, at, put_at, row_columns, total, zero
+from .numerics.lanes import along, at, put_at, row_columns, total, vector_at, zero
 from .numerics.processor import align_stack
 from .numerics.table_address import TableWriter
 from .numerics.threads import NODE_CHUNK, Workers, in_order
@@ -155,12 +155,7 @@ class CentralDifference:
 
 
 @always_inline
-def _node_vector(values: Floats, n: int, lane: int | None) -> Vector:
-    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
-
-
-@always_inline
-def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
+def _put_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
     put_at(values, n, 0, lane, v[0])
     put_at(values, n, 1, lane, v[1])
     put_at(values, n, 2, lane, v[2])
@@ -177,12 +172,12 @@ def _kick_nodes(
     each = dt / (1.0 + 0.5 * alpha * dt)
     r = row_columns(nodes.force_rows, n, lane)
     by_mass, by_inertia = at(nodes.push, n, 0, lane), at(nodes.push, n, 1, lane)
-    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
-    moment = cross(_node_vector(nodes.t, n, lane), r[3:6])
+    v, w = vector_at(velocity, n, lane), vector_at(spin, n, lane)
+    moment = cross(vector_at(nodes.t, n, lane), r[3:6])
     v_after = combine(keep, v, each * by_mass, r[0:3])
     w_after = combine(keep, w, each * by_inertia, moment)
-    _put_node_vector(velocity, n, lane, v_after)
-    _put_node_vector(spin, n, lane, w_after)
+    _put_vector(velocity, n, lane, v_after)
+    _put_vector(spin, n, lane, w_after)
     # Supported nodes have no push and count nothing here.
     m, j = along(nodes.mass, n, lane), along(nodes.inertia, n, lane)
     m, j = m * m * by_mass, j * j * by_inertia
@@ -326,10 +321,10 @@ def _kick(
 
 @always_inline
 def _drift_nodes(n: int, lane: int | None, dt: float, nodes: _Nodes) -> None:
-    v, w = _node_vector(nodes.velocity_half, n, lane), _node_vector(nodes.spin_half, n, lane)
-    _put_node_vector(nodes.x, n, lane, add_scaled(_node_vector(nodes.x, n, lane), dt, v))
-    turned = rotate_director(_node_vector(nodes.t, n, lane), scale(dt, w))
-    _put_node_vector(nodes.t, n, lane, turned)
+    v, w = vector_at(nodes.velocity_half, n, lane), vector_at(nodes.spin_half, n, lane)
+    _put_vector(nodes.x, n, lane, add_scaled(vector_at(nodes.x, n, lane), dt, v))
+    turned = rotate_director(vector_at(nodes.t, n, lane), scale(dt, w))
+    _put_vector(nodes.t, n, lane, turned)
 
 
 @kernel

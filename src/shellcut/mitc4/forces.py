@@ -21,7 +21,7 @@ forces of single quads on single nodes, of both kinds, without changing stored v
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick_all, put_all, total, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
+from shellcut.state import State
 
 from .element import N_STRAIN, Sixteen, nodal_forces
 from .quad_strains import (
@@ -48,6 +49,29 @@ from .quad_strains import (
     strain_of,
 )
 from .thickness_points import PointPlace, PointTables, resultants_at
+
+
+class Work(NamedTuple):
+    """Energies of one evaluation of the shell's forces, for the energy balance."""
+
+    strain_energy: float
+    """Stored energy at t_n [N·mm]."""
+    damping: float
+    """Work of the damping stress since t_{n-1} [N·mm]."""
+    dissipated: float
+    """Energy dissipated by the material since t_{n-1} [N·mm]."""
+
+
+def linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> Work:
+    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see the head of this module."""
+    a_last, b_last = state.strain_forms
+    step, step_before = p0 - p1, p1 - p2
+    c = (a_last + (2.0 + rho) * step - p0) / (1.0 + rho) ** 2
+    d = (step_before - b_last) / (1.0 + rho)
+    b = step - rho * c
+    a = p0 - rho * b
+    state.strain_forms = a, b
+    return Work(0.5 * a, 0.5 * rho * (c + d), 0.0)
 
 
 @always_inline

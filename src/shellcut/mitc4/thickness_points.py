@@ -46,8 +46,7 @@ from shellcut.numerics.lanes import pick_all, zero
 from shellcut.numerics.processor import not_inlined
 
 from .element import G, Sixteen
-from .film_axes import into_axes, out_of_axes
-from .section import frame_components, gauss_geometry
+from .section import frame_components, gauss_geometry, into_axes, out_of_axes
 
 N_FLAT_FRAME, N_FULL_FRAME = 4, 7
 """Floats per frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
@@ -79,7 +78,7 @@ class PointTables(NamedTuple):
     full_frame: Annotated[Floats, "(n_full_frame, n_number, width)"]
     """4 n_point 7 numbers per block."""
     axes: Annotated[Floats, "(n_axes, 8, width)"]
-    """Of :mod:`.film_axes`, of all blocks; empty if no law has axes."""
+    """Of :func:`.section.film_axes`, of all blocks; empty if no law has axes."""
     rule: PointRule
 
 
