@@ -168,11 +168,13 @@ def _kick_nodes(
     """Advance node ``n``, or the eight from it; return m v·v', j w·w' and the damping's sum."""
     dt, alpha, mirror = step.dt, step.alpha, step.dt_last == 0.0
     velocity, spin = nodes.velocity_half, nodes.spin_half
+    # v_{n+1/2} = keep v_{n-1/2} + each f / m, the first equation of this module.
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     each = dt / (1.0 + 0.5 * alpha * dt)
     r = row_columns(nodes.force_rows, n, lane)
     by_mass, by_inertia = at(nodes.push, n, 0, lane), at(nodes.push, n, 1, lane)
     v, w = vector_at(velocity, n, lane), vector_at(spin, n, lane)
+    # t x g has no part along t: the spin stays in the tangent plane.
     moment = cross(vector_at(nodes.t, n, lane), r[3:6])
     v_after = combine(keep, v, each * by_mass, r[0:3])
     w_after = combine(keep, w, each * by_inertia, moment)
@@ -181,7 +183,9 @@ def _kick_nodes(
     # Supported nodes have no push and count nothing here.
     m, j = along(nodes.mass, n, lane), along(nodes.inertia, n, lane)
     m, j = m * m * by_mass, j * j * by_inertia
+    # Twice the mean velocity; the damping's factor ¼ alpha dt follows in the caller.
     v_mean, w_mean = add(v, v_after), add(w, w_after)
+    # The first kick is a half one, from v_0: v_{-1/2} = 2 v_0 - v_{1/2}.
     if mirror:
         v, w = combine(2.0, v, -1.0, v_after), combine(2.0, w, -1.0, w_after)
     return (
@@ -209,6 +213,7 @@ def _spin_with_prescribed_axis(
     square = dot(axis, axis)
     if dot(h, h) != 1.0 or square < _POLE:
         return free, False
+    # h and h x t are normal to each other, also where the director leans.
     about_h = dot(h, (rate[n, 3], rate[n, 4], rate[n, 5]))
     return combine(about_h, h, dot(axis, free) / square, axis), True
 
@@ -283,6 +288,7 @@ def _kick(
     for chunk in range(first, sums.shape[0], stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         sums[chunk] = 0.0
+        # First, and aside: their old velocities are needed, which the loop below overwrites.
         for i in range(supported.first[chunk], supported.first[chunk + 1]):
             n = supported.node[i]
             director = load(nodes.t, n)
@@ -306,6 +312,7 @@ def _kick(
             q0, q1, q2 = _kick_nodes(n, None, step, nodes)
             p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
         s0, s1, s2 = total(p0), total(p1), total(p2)
+        # What is left of the chunk, node by node: the same function with one lane.
         for n in range(stop - (stop - start) % WIDTH, stop):
             q0, q1, q2 = _kick_nodes(n, 0, step, nodes)
             s0, s1, s2 = s0 + q0, s1 + q1, s2 + q2

@@ -398,6 +398,7 @@ def add_glue(points: Points, law: GlueLaw, x: Floats, force: Floats, sums: Float
     b2 = shear * shear
     work, stored, dissipated = 0.0, 0.0, 0.0
     for i in range(corners.shape[0]):
+        # u = sum N_a x_a - X_P, and its parts along the normal and along the base.
         u = scale(-1.0, load(base, i))
         for a in range(4):
             u = add_scaled(u, weight[i, a], load(x, corners[i, a]))
@@ -414,9 +415,11 @@ def add_glue(points: Points, law: GlueLaw, x: Floats, force: Floats, sums: Float
         elif m > first:
             k = stiffness * first * (last - m) / (m * (last - first))
         p = add_scaled(scale(stiffness * pressed - k * opens, n), -k * b2, u_t)  # (3)
+        # Dissipated grows linearly in m from d_0 to d_f, and not beyond.
         spent = min(max(m, first), last) - min(max(before, first), last)
         dissipated += area[i] * energy * spent / (last - first)
         stored += 0.5 * area[i] * (k * d * d + stiffness * pressed * pressed)
+        # ½ (p_{n-1} + p_n) · Δu, as all works of the energy balance.
         moved, mean = sub(u, load(parted, i)), add_scaled(load(traction, i), 1.0, p)
         work += 0.5 * area[i] * dot(mean, moved)
         store(parted, i, u)

@@ -260,6 +260,7 @@ def _dead_at(
 ) -> Number:
     """Add factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
     force, v = vector_at(dead, n, lane), vector_at(velocity, n, lane)
+    # The power is of the load at factor 1: begin_forces scales it by the mean of both factors.
     add_row_columns(rows, n, lane, scale(factor, force))
     return dot(force, v)
 

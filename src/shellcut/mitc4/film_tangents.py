@@ -227,6 +227,8 @@ def differentiate_resultants(
     width = nodes.corner.shape[2]
     trial = np.empty((1, history.shape[1], width))
     row = np.empty((1, N_STRAIN, width))
+    # A curvature of step / height strains the farthest height by step; half a weight, for a
+    # single point lies in the middle.
     height = np.abs(rule.place).max() + 0.5 * rule.weight.max()
     for i in range(slot.shape[0]):
         b, lane, flat, _, s = one_quad(nodes, slot[i])
@@ -243,6 +245,7 @@ def differentiate_resultants(
                 step = 8.0 * np.sqrt(area[i]) * _STEP
             elif m >= 6:
                 step /= height
+            # Central differences, of which the error is of the second order.
             for sign in range(2):
                 put_all(row, 0, 0, 0, s)
                 row[0, m, 0] += step if sign == 0 else -step

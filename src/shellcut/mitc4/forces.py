@@ -93,6 +93,7 @@ def _linear_block(
     # Elastic and damping stress in one product: r = H (s + rho (s_n - s_{n-1})).
     u = plus_scaled(s, step.rho, minus(s, s_last))
     r = stiffness_product(tables, flat, b, None, u, work)
+    # s_n takes the place of s_{n-2}, which is read: the shell exchanges both arrays after the step.
     put_all(step.before, b, 0, None, s)
     add_to_nodes(rows, corner, b, None, (xm, tm), r)
     return dot16(s, r), dot16(s_last, r), dot16(s_before, r)
@@ -216,6 +217,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         # A law with history writes here: this evaluation must not change that of the state.
         trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
+            # One quad as a lane of its block, by the functions of the force kernels.
             b, lane, flat, (xm, tm), s = one_quad(linear, slot[i])
             if by_points:
                 at = HistoryStep(history, trial, b, 0, step.dt)

@@ -266,6 +266,7 @@ def bound_largest_eigenvalues(
     for i in range(tangent.shape[0]):
         K = tangent[i]
         for a in range(4):
+            # K x = omega² M x with a diagonal M: M^-½ K M^-½ is symmetric and has the same omega².
             for c in range(3):
                 scale[3 * a + c] = 1.0 / np.sqrt(mass[i, a])
             for b in range(2):
@@ -279,6 +280,7 @@ def bound_largest_eigenvalues(
         for _ in range(_TRIES):
             for _ in range(_TURNS):
                 value = _turn(K, v, w)
+            # The iteration comes from below: a little more is tried, and proved or not.
             value *= _ABOVE
             if _is_above(value, K, left):
                 proved = True
@@ -293,6 +295,7 @@ def bound_largest_eigenvalues(
 @inline
 def _turn(K: Floats, v: Floats, w: Floats) -> float:
     """Replace v by K v of unit length; return the Rayleigh quotient of the old v."""
+    # w = K v, column by column: K is symmetric, and its rows are contiguous.
     n = N_FREEDOM  # a constant: the loops are unrolled
     for k in range(n):
         w[k] = 0.0
@@ -319,6 +322,7 @@ def _is_above(value: float, K: Floats, left: Floats) -> bool:
             left[k, j] = -K[k, j]
         left[k, k] += value
     for k in range(n):
+        # Without row exchanges: of a positive matrix all pivots are positive in any order.
         pivot = left[k, k]
         if not pivot > 0.0:
             return False
@@ -389,9 +393,12 @@ def change_of_shape(X: Floats, quads: Ints, e: int, s: Floats) -> tuple[float, f
         bend = max(bend, 0.5 * abs(K[0] + K[1]) + _radius(K))
         least = (min(least[0], E[0]), min(least[1], E[1]), min(least[2], E[2]))
         most = (max(most[0], E[0]), max(most[1], E[1]), max(most[2], E[2]))
+    # Bending turns a corner by the curvature times half the diagonal.
     reach = 0.5 * max(norm(sub(x2, x0)), norm(sub(x3, x1)))
     g1 = max(abs(s[12] - s[13]) / norm(x01), abs(s[12] + s[13]) / norm(x32)) / 16.0
     g2 = max(abs(s[14] - s[15]) / norm(x03), abs(s[14] + s[15]) / norm(x12)) / 16.0
+    # Covariant shear over the sides' lengths is the angle; where the sides are not
+    # normal to each other it is larger, by one over the sine between them.
     area = norm(cross(sub(x2, x0), sub(x3, x1)))
     slant = norm(add(x01, x32)) * norm(add(x03, x12)) / (2.0 * area)
     shear = 2.0 * slant * (g1 + g2)

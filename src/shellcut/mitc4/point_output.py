@@ -182,6 +182,7 @@ def _stresses(
     for i in range(slot.shape[0]):
         b, lane, flat, (xm, tm), s = one_quad(nodes, slot[i])
         at = HistoryStep(history, trial, b, 0, 0.0)
+        # The thickness follows from the history after the law has been called; the state's is kept.
         after = HistoryStep(trial, trial, 0, 0, 0.0)
         for q in range(4):
             xi, eta = GAUSS[q]
@@ -200,9 +201,11 @@ def _stresses(
                 S, _, _ = point_stress(rule.laws, j, strain, at, first, lane)
                 stretch = point_thickness(rule.laws, j, strain, after, first, lane)
                 thickness[i] += 0.25 * rule.weight[j] * stretch
+                # |f_1 x f_2| is the change of area, times the thickness stretch that of volume.
                 normal = cross(f1, f2)
                 J = norm(normal) * (stretch if by_volume[j] else 1.0)
                 if nominal:
+                    # S turned with the surface: unit vectors in the place of the stretched ones.
                     f1 = scale(1.0 / norm(f1), f1)
                     f2 = cross(scale(1.0 / norm(normal), normal), f1)
                     J = 1.0

@@ -241,6 +241,7 @@ def _evaluate(
     before, after = np.zeros((1, n_history, 8)), np.zeros((1, n_history, 8))
     for i in range(strain.shape[0]):
         for p in range(strain.shape[1]):
+            # The law reads a block of eight lanes; only the first is in use.
             for k in range(n_history):
                 before[0, k, 0] = history[i, p, k]
             e = (strain[i, p, 0], strain[i, p, 1], strain[i, p, 2])

@@ -47,6 +47,7 @@ def smallest_area_ratio(reference: Surface, present: Surface) -> tuple[float, in
         for q in range(4):
             xi, eta = GAUSS[q]
             area = _area(reference.x, reference.quads, e, xi, eta)
+            # At the Gauss points, where the law is evaluated; the factor 16 cancels.
             ratio = _area(present.x, present.quads, e, xi, eta) / area
             if ratio < least:
                 least, quad = ratio, e
