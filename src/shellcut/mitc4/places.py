@@ -1,4 +1,4 @@
-"""Places of all quads and copies in the blocks, and their contents.
+"""Places of all quads and copies in the blocks, and their contents: what the kernels take.
 
 A crack that crosses a quad replaces it by copies that carry a share w of it each. Energy, forces,
 damping, mass and inertia of a copy are those of the *whole* quad, at the copy's own nodes, times w
@@ -263,6 +263,9 @@ def build_tables(
     def table(n_block: int, n: int) -> Floats:
         return np.asarray(aligned_zeros((n_block, n, blocks.width)))
 
+    def in_blocks(rows: Floats) -> Floats:
+        return rows.reshape(-1, blocks.width, rows.shape[1]).transpose(0, 2, 1)
+
     linear = LinearTables(
         n_flat,
         table(n_flat, N_FLAT),
@@ -285,29 +288,21 @@ def build_tables(
                 continue
             quads = mesh.quads[blocks.quad[start:stop].ravel()]
             X, T = mesh.nodes[quads], mesh.directors[quads]
-
-            def fill(
-                table: Floats,
-                rows: Floats,
-                start: int = start,
-                stop: int = stop,
-                first: int = 0 if flat else n_flat,
-            ) -> None:
-                some = slice(start - first, stop - first)
-                table[some] = rows.reshape(stop - start, blocks.width, -1).transpose(0, 2, 1)
-
+            some = slice(start, stop) if flat else slice(start - n_flat, stop - n_flat)
             products = quad_products(X, T)
             # Places that repeat a quad get zero stiffness.
             filled = blocks.filled[start:stop].reshape(-1, 1)
             if flat:
-                fill(linear.flat[:, :N_FLAT_PRODUCT], products[:, :N_FLAT_PRODUCT])
-                fill(linear.flat[:, N_FLAT_PRODUCT:], filled * flat_stiffness(X, T, material))
+                linear.flat[some, :N_FLAT_PRODUCT] = in_blocks(products[:, :N_FLAT_PRODUCT])
+                stiffness = filled * flat_stiffness(X, T, material)
+                linear.flat[some, N_FLAT_PRODUCT:] = in_blocks(stiffness)
             else:
-                fill(linear.full_reference, products)
-                fill(linear.full_stiffness, filled * full_stiffness(X, T, material))
+                linear.full_reference[some] = in_blocks(products)
+                linear.full_stiffness[some] = in_blocks(filled * full_stiffness(X, T, material))
             if n_point:
                 frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
-                fill(points.flat_frame if flat else points.full_frame, filled * frames)
+                table_of_frames = points.flat_frame if flat else points.full_frame
+                table_of_frames[some] = in_blocks(filled * frames)
             if material.has_axes:
-                fill(points.axes, film_axes(X, T, material), first=0)
+                points.axes[start:stop] = in_blocks(film_axes(X, T, material))
     return linear, points
