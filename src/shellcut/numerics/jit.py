@@ -22,7 +22,7 @@ functions this cannot happen.
 """
 
 # Numba's classes have no types.
-# mypy: disable-error-code="misc, no-untyped-call"
+# mypy: disable-error-code="misc, no-untyped-call, attr-defined"
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ from .kernel_tables import check_tables
 P = ParamSpec("P")
 R = TypeVar("R")
 
-if nb.config.DISABLE_JIT:  # type: ignore[attr-defined]
+if nb.config.DISABLE_JIT:
     raise ImportError("kernels are for Numba's compiler: unset NUMBA_DISABLE_JIT")
 
 # Nobody calls these functions from C: without Numba's wrapper for that they compile faster.
@@ -124,7 +124,7 @@ class _ForKernels(_Compiled):
         """Keep the machine code, which is none, from calls by Python."""
 
     def _compile_for_args(self, *_: Any, **__: Any) -> Any:
-        raise TypeError(f"{self.__name__} is inlined into kernels, Python cannot call it")
+        raise TypeError(f"{self.py_func.__name__} is inlined into kernels, Python cannot call it")
 
 
 class _AlwaysInlined(_ForKernels):
@@ -184,7 +184,7 @@ def bound(kernel: Any, *arguments: object) -> Callable[..., Any]:
     takes longer than passing them: 1.5 µs hot, several within a step. A caller with thousands of
     calls per second and fixed types selects it once. Arguments of other types would be misread.
     """
-    types = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
+    types = tuple(nb.typeof(a) for a in arguments)
     code: Callable[..., Any] = kernel.compile(types)
     return code
 
