@@ -27,7 +27,7 @@ from .arrays import Bools, Floats, Ints, Number, Vec3, Vector
 from .numerics.borrowed import borrowed
 from .numerics.jit import BoundOnce, always_inline, kernel
 from .numerics.lane_instructions import WIDTH
-from .numerics.lanes import along, at, put_at, row_columns, total, zero
+from .numerics.lanes import along, at, put_at, row_columns, total, vector_at, zero
 from .numerics.processor import align_stack
 from .numerics.table_address import TableWriter
 from .numerics.threads import NODE_CHUNK, Workers, in_order
@@ -155,12 +155,7 @@ class CentralDifference:
 
 
 @always_inline
-def _node_vector(values: Floats, n: int, lane: int | None) -> Vector:
-    return at(values, n, 0, lane), at(values, n, 1, lane), at(values, n, 2, lane)
-
-
-@always_inline
-def _put_node_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
+def _put_vector(values: Floats, n: int, lane: int | None, v: Vector) -> None:
     put_at(values, n, 0, lane, v[0])
     put_at(values, n, 1, lane, v[1])
     put_at(values, n, 2, lane, v[2])
@@ -173,20 +168,24 @@ def _kick_nodes(
     """Advance node ``n``, or the eight from it; return m v·v', j w·w' and the damping's sum."""
     dt, alpha, mirror = step.dt, step.alpha, step.dt_last == 0.0
     velocity, spin = nodes.velocity_half, nodes.spin_half
+    # v_{n+1/2} = keep v_{n-1/2} + each f / m, the first equation of this module.
     keep = (1.0 - 0.5 * alpha * dt) / (1.0 + 0.5 * alpha * dt)
     each = dt / (1.0 + 0.5 * alpha * dt)
     r = row_columns(nodes.force_rows, n, lane)
     by_mass, by_inertia = at(nodes.push, n, 0, lane), at(nodes.push, n, 1, lane)
-    v, w = _node_vector(velocity, n, lane), _node_vector(spin, n, lane)
-    moment = cross(_node_vector(nodes.t, n, lane), r[3:6])
+    v, w = vector_at(velocity, n, lane), vector_at(spin, n, lane)
+    # t x g has no part along t: the spin stays in the tangent plane.
+    moment = cross(vector_at(nodes.t, n, lane), r[3:6])
     v_after = combine(keep, v, each * by_mass, r[0:3])
     w_after = combine(keep, w, each * by_inertia, moment)
-    _put_node_vector(velocity, n, lane, v_after)
-    _put_node_vector(spin, n, lane, w_after)
+    _put_vector(velocity, n, lane, v_after)
+    _put_vector(spin, n, lane, w_after)
     # Supported nodes have no push and count nothing here.
     m, j = along(nodes.mass, n, lane), along(nodes.inertia, n, lane)
     m, j = m * m * by_mass, j * j * by_inertia
+    # Twice the mean velocity; the damping's factor ¼ alpha dt follows in the caller.
     v_mean, w_mean = add(v, v_after), add(w, w_after)
+    # The first kick is a half one, from v_0: v_{-1/2} = 2 v_0 - v_{1/2}.
     if mirror:
         v, w = combine(2.0, v, -1.0, v_after), combine(2.0, w, -1.0, w_after)
     return (
@@ -214,6 +213,7 @@ def _spin_with_prescribed_axis(
     square = dot(axis, axis)
     if dot(h, h) != 1.0 or square < _POLE:
         return free, False
+    # h and h x t are normal to each other, also where the director leans.
     about_h = dot(h, (rate[n, 3], rate[n, 4], rate[n, 5]))
     return combine(about_h, h, dot(axis, free) / square, axis), True
 
@@ -288,6 +288,7 @@ def _kick(
     for chunk in range(first, sums.shape[0], stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
         sums[chunk] = 0.0
+        # First, and aside: their old velocities are needed, which the loop below overwrites.
         for i in range(supported.first[chunk], supported.first[chunk + 1]):
             n = supported.node[i]
             director = load(nodes.t, n)
@@ -311,6 +312,7 @@ def _kick(
             q0, q1, q2 = _kick_nodes(n, None, step, nodes)
             p0, p1, p2 = p0 + q0, p1 + q1, p2 + q2
         s0, s1, s2 = total(p0), total(p1), total(p2)
+        # What is left of the chunk, node by node: the same function with one lane.
         for n in range(stop - (stop - start) % WIDTH, stop):
             q0, q1, q2 = _kick_nodes(n, 0, step, nodes)
             s0, s1, s2 = s0 + q0, s1 + q1, s2 + q2
@@ -326,10 +328,10 @@ def _kick(
 
 @always_inline
 def _drift_nodes(n: int, lane: int | None, dt: float, nodes: _Nodes) -> None:
-    v, w = _node_vector(nodes.velocity_half, n, lane), _node_vector(nodes.spin_half, n, lane)
-    _put_node_vector(nodes.x, n, lane, add_scaled(_node_vector(nodes.x, n, lane), dt, v))
-    turned = rotate_director(_node_vector(nodes.t, n, lane), scale(dt, w))
-    _put_node_vector(nodes.t, n, lane, turned)
+    v, w = vector_at(nodes.velocity_half, n, lane), vector_at(nodes.spin_half, n, lane)
+    _put_vector(nodes.x, n, lane, add_scaled(vector_at(nodes.x, n, lane), dt, v))
+    turned = rotate_director(vector_at(nodes.t, n, lane), scale(dt, w))
+    _put_vector(nodes.t, n, lane, turned)
 
 
 @kernel

@@ -18,7 +18,7 @@ import numpy.typing as npt
 import scipy
 
 from .arrays import Floats
-from .material.hardening_points import fewer_points
+from .material.hardening import fewer_points
 from .view.curves import Curve, Diagram, draw_curves
 
 ELASTIC = (0.0005, 0.0025)

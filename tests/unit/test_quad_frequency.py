@@ -10,8 +10,7 @@ import shellcut as sc
 from naive import cases
 from shellcut import Elastic, Layer, Mesh, ShellMaterial
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.mitc4.eigenvalue_bound import bound_largest_eigenvalues
-from shellcut.mitc4.frequency import growth_rates
+from shellcut.mitc4.frequency import bound_largest_eigenvalues, growth_rates
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.mitc4.stretch_since import StretchSince

@@ -35,10 +35,10 @@ def stepper(shell, contact=None, tool=None, **stepping):
 
 def settled(step, state):
     """The step to which it grows, by 0.2 % at most from one to the next."""
-    dt = step.next(state)
+    state.dt = dt = step.next(state)
     while (longer := step.next(state)) != dt:
         assert dt < longer <= 1.0021 * dt
-        dt = longer
+        state.dt = dt = longer
     return dt
 
 

@@ -37,8 +37,7 @@ import scipy
 from shellcut.arrays import Floats, Ints, product
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.mitc4.sliding_history import SlidingHistory
-from shellcut.mitc4.sliding_points import SlidingPoints
+from shellcut.mitc4.sliding_points import SlidingHistory, SlidingPoints
 from shellcut.numerics.small_matrices import inverse
 from shellcut.state import STRAIGHT, State
 

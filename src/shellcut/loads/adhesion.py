@@ -394,9 +394,11 @@ def add_glue(points: Points, law: GlueLaw, x: Floats, force: Floats, sums: Float
         elif m > first:
             k = stiffness * first * (last - m) / (m * (last - first))
         p = add_scaled(scale(stiffness * pressed - k * opens, n), -k * b2, u_t)  # (3)
+        # Dissipated grows linearly in m from d_0 to d_f, and not beyond.
         spent = min(max(m, first), last) - min(max(before, first), last)
         dissipated += area[i] * energy * spent / (last - first)
         stored += 0.5 * area[i] * (k * d * d + stiffness * pressed * pressed)
+        # ½ (p_{n-1} + p_n) · Δu, as all works of the energy balance.
         moved, mean = sub(u, load(parted, i)), add_scaled(load(traction, i), 1.0, p)
         work += 0.5 * area[i] * dot(mean, moved)
         store(parted, i, u)

@@ -18,7 +18,7 @@ from shellcut.arrays import Floats, Ints, Number, product, three
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.jit import BoundOnce, always_inline, kernel
 from shellcut.numerics.lane_instructions import WIDTH
-from shellcut.numerics.lanes import add_row_columns, clear_rows, total, vector_at, zero
+from shellcut.numerics.lanes import add_row_columns, total, vector_at, zero
 from shellcut.numerics.threads import NODE_CHUNK, Workers
 from shellcut.numerics.vec3 import dot, scale
 from shellcut.state import State
@@ -260,6 +260,7 @@ def _dead_at(
 ) -> Number:
     """Add factor dead at node ``n``, or the eight from ``n``; return the power of ``dead``."""
     force, v = vector_at(dead, n, lane), vector_at(velocity, n, lane)
+    # The power is of the load at factor 1: begin_forces scales it by the mean of both factors.
     add_row_columns(rows, n, lane, scale(factor, force))
     return dot(force, v)
 
@@ -295,7 +296,6 @@ def _clear_forces(first: int, stride: int, n_node: int, rows: Floats) -> None:
     """Set rows : (n_node, 8) to zero in every ``stride``-th chunk."""
     for chunk in range(first, (n_node + NODE_CHUNK - 1) // NODE_CHUNK, stride):
         start, stop = chunk * NODE_CHUNK, min(n_node, (chunk + 1) * NODE_CHUNK)
-        for n in range(start, stop - WIDTH + 1, WIDTH):
-            clear_rows(rows, n, None)
-        for n in range(stop - (stop - start) % WIDTH, stop):
-            clear_rows(rows, n, 0)
+        for n in range(start, stop):
+            for c in range(8):
+                rows[n, c] = 0.0

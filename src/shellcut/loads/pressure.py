@@ -42,6 +42,7 @@ def pressure_rows(x: Floats, corners: Ints, film: Floats, pressure: float, rows:
         h = combine(0.25, x23, -0.25, x10)
         c0, c1, c2 = cross(g1, g2), cross(g1, h), cross(h, g2)
         for a in range(4):
+            # ∫ p N_a (c_0 + c_1 xi + c_2 eta): the moments do not change while the film moves.
             force = combine(film[i, a, 0], c0, film[i, a, 1], c1)
             store(rows[i], a, scale(pressure, add_scaled(force, film[i, a, 2], c2)))
 

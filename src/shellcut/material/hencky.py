@@ -11,14 +11,13 @@ from shellcut.numerics.jit import always_inline
 from shellcut.numerics.lane_exponentials import exponential
 
 from .elastic import Elastic
-from .elastic_part import WithElasticPart
 from .logarithmic_strain import (
     is_small,
     logarithmic_strain,
     second_piola_kirchhoff,
     small_isotropic,
 )
-from .orthotropic import Orthotropic
+from .orthotropic import Orthotropic, WithElasticPart
 from .point_law import History, PointLaw, register
 
 

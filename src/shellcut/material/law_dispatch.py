@@ -25,7 +25,7 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.intrinsics import in_kernels
 from shellcut.numerics.jit import ALWAYS_INLINED, always_inline
 from shellcut.numerics.lane_functions import any_above
-from shellcut.numerics.lane_instructions import Lane, LanesType
+from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick, pick_all, put_all, repeated, zero
 
 from .point_law import LAWS, PointLaw, register
@@ -227,21 +227,10 @@ def _stress_function(law: PointLaw) -> Any:
         before = read(history.old, history.block, first, lane)
         done = function(p, strain, before, history.dt)
         _store(history, first, lane, done)
-        return done[0], done[1], _of_lane(done[2], lane)
+        # A law may dissipate a plain zero; of several laws all must return lanes.
+        return done[0], done[1], zero(lane) + done[2]
 
     return stress
-
-
-def _of_lane(number: Number, lane: Lane) -> Number:
-    """Return lanes also of a law that returns a plain zero."""
-    return zero(lane) + number
-
-
-@overload(_of_lane, jit_options=ALWAYS_INLINED)
-def _of_lane_in_kernel(number, lane):
-    if isinstance(number, LanesType):
-        return lambda number, lane: number
-    return lambda number, lane: zero(lane) + number
 
 
 def _store(history, first, lane, done):

@@ -87,6 +87,7 @@ def _small_parts(
     y: Number, y2: Number, r4: Number
 ) -> tuple[Number, Number, Number, Number, Number, Number]:
     """Return ½ ln D, 1/τ, 1/τ², q, A' and τ²/D of small strains: no division, short chains."""
+    # 1/τ as a product of three factors, (1 - y)(1 + y²)(1 + y⁴), each by a multiply-add.
     y4 = y2 * y2
     start = 1.0 - y
     start = start + start * y2
@@ -97,6 +98,7 @@ def _small_parts(
     spread = (1.0 / 3.0 + q * (1.0 / 5.0)) + q2 * (1.0 / 7.0)
     over = 1.0 + q
     ratio = over + over * q2
+    # ½ ln D = y + y² (..) - q (..): the leading term alone keeps its digits.
     of_mean = (y * (1.0 / 3.0) - 0.5) + y2 * (y * (1.0 / 5.0) - 0.25)
     of_mean = of_mean + y4 * ((y * (1.0 / 7.0) - 1.0 / 6.0) - y2 * (1.0 / 8.0))
     of_shear = (q * 0.25 + 0.5) + q2 * (q * (1.0 / 8.0) + 1.0 / 6.0)
@@ -130,6 +132,7 @@ def small_isotropic(
     y2, r4 = y * y, u * u + v * v
     both, _, squared, q, spread, ratio = _small_parts(y, y2, r4)
     A = 1.0 + q * spread
+    # S = [τ (t - G A q) I + 2 (G A - t) d]/D with 1/D = (1/τ²)/(1 - q).
     t, GA = bulk * both, shear * A
     inverse_det, GAq = squared * ratio, GA * q
     mid = (inverse_det * (1.0 + y)) * (t - GAq)
@@ -161,6 +164,7 @@ def _long_series(q: Number) -> Number:
 @always_inline
 def _any_spread(q: Number) -> Number:
     """Return A' at any q = s² below 1."""
+    # Both are computed for all lanes, each with arguments that it can take.
     far = larger(q, _LONG)
     s = square_root(far)
     inverse = 1.0 / far
@@ -171,6 +175,7 @@ def _any_spread(q: Number) -> Number:
 @always_inline
 def _divided(mean: Number, excess: Number) -> tuple[Number, Number, Number]:
     """Return 1/τ, 1/D and s by one division."""
+    # s = (D - 1)/(D + 1) from D - 1, which has lost no digits; D + 1 = 2 + (D - 1).
     determinant, over = 1.0 + excess, 2.0 + excess
     inverse = 1.0 / (mean * over * determinant)
     inverse_mean = inverse * (over * determinant)
@@ -226,6 +231,7 @@ def sum_and_difference(strain: Vector) -> tuple[Vector, StressTransform]:
     """Return (ε_11 + ε_22, ε_11 - ε_22, 2 ε_12) of the strain (E_11, E_22, 2 E_12)."""
     y, u, v = strain[0] + strain[1], strain[0] - strain[1], strain[2]
     y2, r4 = y * y, u * u + v * v
+    # The branches are by block: the shortest that is good for all its lanes.
     mean = 1.0 + y
     most = larger(y2, r4)
     if seldom(any_above(most, _SMALL)):

@@ -12,7 +12,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, product
 from shellcut.numerics.small_matrices import inverse
 
-from .elastic import linear_stress, thickness_stretch
+from .elastic import Elastic, linear_stress, thickness_stretch
 from .material import Density, Material, refuse_density
 from .point_law import PointLaw, register
 
@@ -147,3 +147,27 @@ class Orthotropic(Material):
         by_stress = self.poisson * np.array([1.0 / self.young_along, 1.0 / self.young_across, 0.0])
         in_axes = product(by_stress, inverse(self.compliance()))
         return np.asarray(product(in_axes, strain_turn(self.angle_deg)))
+
+
+class WithElasticPart(Material):
+    """A material whose moduli and density are those of its field ``elastic``."""
+
+    elastic: Elastic | Orthotropic
+
+    @property
+    def density(self) -> float:  # type: ignore[override]
+        """Reference density [t/mm³]."""
+        return self.elastic.density
+
+    @property
+    def stretching_modulus(self) -> float:
+        """Nominal modulus in tension [MPa], of the elastic part."""
+        return self.elastic.stretching_modulus
+
+    def plane_stress(self) -> Floats:
+        """Return C, shape (3, 3) [MPa], of the moduli."""
+        return self.elastic.plane_stress()
+
+    def transverse_shear(self) -> Floats:
+        """Return the transverse shear moduli, shape (2, 2) [MPa], without shear factor."""
+        return self.elastic.transverse_shear()

@@ -38,7 +38,6 @@ from shellcut.numerics.processor import seldom
 from shellcut.numerics.small_matrices import inverse
 
 from .elastic import Elastic
-from .elastic_part import WithElasticPart
 from .hardening import Table, hardening_problems
 from .logarithmic_strain import (
     is_small,
@@ -49,7 +48,7 @@ from .logarithmic_strain import (
     sum_and_difference,
 )
 from .material import refuse
-from .orthotropic import Orthotropic, strain_turn
+from .orthotropic import Orthotropic, WithElasticPart, strain_turn
 from .point_law import History, PointLaw, register
 from .rate_factor import RateFactor, rate_problems
 from .return_mapping import excess, make_flow, modes_of
@@ -71,43 +70,37 @@ _MEAN, _SHEAR, _YIELD = 2, 3, 4
 _V, _PLASTIC, _MU, _YIELD_AXES = 4, 13, 22, 25
 
 
-@always_inline
-def _at_once(dt: float) -> bool:
-    """Whether flow is instantaneous: without a rate factor."""
-    return True
+def _isotropic_law(flow: Any, frozen: bool, has_rate: bool) -> tuple[Any, Any]:
+    """Return the functions of von Mises with isotropic moduli.
 
-
-@always_inline
-def _in_time(dt: float) -> bool:
-    """Whether there is time to flow, which a rate factor needs."""
-    return dt > 0.0
-
-
-def _isotropic_law(flow: Any, may_flow: Any) -> tuple[Any, Any]:
-    """Return the functions of von Mises with isotropic moduli."""
+    A frozen law does not flow, one with a rate factor only in time.
+    """
 
     def stress(
         p: Floats, strain: Vector, history: History, dt: float
     ) -> tuple[Vector, Number, Number, History, bool]:
         eq, R, p1, p2, p12 = history
+        may_flow = not frozen and (dt > 0.0 or not has_rate)
         if is_small(strain) and not any_above(eq, 0.0):
+            # Most of a film at most times: no logarithm, no division.
             S, of_mean, of_shear, stored = small_isotropic(strain, p[_MEAN], p[_SHEAR])
             # Nothing has hardened.
-            beyond = excess(of_mean + 3.0 * of_shear, p[_YIELD], may_flow(dt))
+            beyond = excess(of_mean + 3.0 * of_shear, p[_YIELD], may_flow)
             if not seldom(any_above(beyond, 0.0)):
                 return S, stored, zero_like(R), history, False
         (both, unlike, slip), transform = sum_and_difference(strain)
-        if any_above(eq, 0.0):
+        if any_above(eq, 0.0):  # else there is no plastic strain to subtract
             both, unlike, slip = both - (p1 + p2), unlike - (p1 - p2), slip - p12
         z = (p[_MEAN] * both, p[_SHEAR] * unlike, p[_SHEAR] * slip)
         of_mean, of_shear = z[0] * z[0], 3.0 * (z[1] * z[1] + z[2] * z[2])
-        beyond = excess(of_mean + of_shear, p[_YIELD] + R, may_flow(dt))
+        beyond = excess(of_mean + of_shear, p[_YIELD] + R, may_flow)
         lost = zero_like(R)
         flows = any_above(beyond, 0.0)
         if seldom(flows):
             mu = (p[_MEAN], 3.0 * p[_SHEAR])
             done = flow(p, _YIELD, (of_mean, of_shear), mu, beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
+            # Δε_p of (1): P is ½ for the mean, 3/2 for the deviator, both are sums of two here.
             d_both = done.by_mode[0] * z[0]
             by_shear = 3.0 * done.by_mode[1]
             d_unlike, d_slip = by_shear * z[1], by_shear * z[2]
@@ -137,7 +130,7 @@ def _times(p: Floats, first: int, v: Vector) -> Vector:
     )
 
 
-def _law_with_axes(flow: Any, may_flow: Any) -> tuple[Any, Any]:
+def _law_with_axes(flow: Any, frozen: bool, has_rate: bool) -> tuple[Any, Any]:
     """Return the functions of Hill's criterion, or of orthotropic moduli."""
 
     def stress(
@@ -145,18 +138,21 @@ def _law_with_axes(flow: Any, may_flow: Any) -> tuple[Any, Any]:
     ) -> tuple[Vector, Number, Number, History, bool]:
         e, transform = logarithmic_strain(strain)
         eq, R, p1, p2, p12 = history
+        may_flow = not frozen and (dt > 0.0 or not has_rate)
         e1, e2, e12 = e[0] - p1, e[1] - p2, e[2] - p12
+        # The trial modes z = Vᵀ(ε - ε_p) and their shares in σ_eq², (4) there.
         y0 = p[_V] * e1 + p[_V + 3] * e2 + p[_V + 6] * e12
         y1 = p[_V + 1] * e1 + p[_V + 4] * e2 + p[_V + 7] * e12
         y2 = p[_V + 2] * e1 + p[_V + 5] * e2 + p[_V + 8] * e12
         m0, m1, m2 = p[_MU], p[_MU + 1], p[_MU + 2]
         q = (m0 * y0 * y0, m1 * y1 * y1, m2 * y2 * y2)
-        beyond = excess(q[0] + q[1] + q[2], p[_YIELD_AXES] + R, may_flow(dt))
+        beyond = excess(q[0] + q[1] + q[2], p[_YIELD_AXES] + R, may_flow)
         lost = zero_like(R)
         flows = any_above(beyond, 0.0)
         if seldom(flows):
             done = flow(p, _YIELD_AXES, q, (m0, m1, m2), beyond, (eq, R), dt)
             eq, R, lost = done.plastic, done.hardening, done.lost
+            # The parameters have P V, which turns Δλ z into Δε_p.
             z0 = done.by_mode[0] * y0
             z1 = done.by_mode[1] * y1
             z2 = done.by_mode[2] * y2
@@ -180,12 +176,6 @@ def _law_with_axes(flow: Any, may_flow: Any) -> tuple[Any, Any]:
     return stress, thickness_stretch
 
 
-@always_inline
-def _never(dt: float) -> bool:
-    """Whether a frozen law may flow."""
-    return False
-
-
 @functools.cache
 def _law(rate: Any, axes: bool) -> PointLaw:
     """Return the law for a class of rate."""
@@ -193,26 +183,17 @@ def _law(rate: Any, axes: bool) -> PointLaw:
     name = f"{'Hill' if axes else 'von Mises'} {rate.kind}".rstrip()
     functions, n_mode = (_law_with_axes, 3) if axes else (_isotropic_law, 2)
     flow = make_flow(rate.function, has_rate, n_mode)
-    frozen = PointLaw(
-        f"{name}, frozen",
-        *functions(flow, _never),
+    common: Any = {"oriented": axes, "turning": _TURNING, "first_leads": True}
+    frozen = PointLaw(f"{name}, frozen", *functions(flow, True, has_rate), HISTORY, **common)
+    law = PointLaw(
+        name,
+        *functions(flow, False, has_rate),
         HISTORY,
-        oriented=axes,
-        turning=_TURNING,
-        first_leads=True,
+        timed=has_rate,
+        frozen=register(frozen),
+        **common,
     )
-    return register(
-        PointLaw(
-            name,
-            *functions(flow, _in_time if has_rate else _at_once),
-            HISTORY,
-            oriented=axes,
-            timed=has_rate,
-            turning=_TURNING,
-            frozen=register(frozen),
-            first_leads=True,
-        )
-    )
+    return register(law)
 
 
 def hill_matrix(r_values: tuple[float, float, float]) -> Floats:

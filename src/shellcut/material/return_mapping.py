@@ -3,26 +3,30 @@ r"""Return to the yield surface in plane stress, for von Mises and Hill, in eigh
 With T = C (ε - ε_p) and σ_eq² = T · P T, the flow is associated and taken at the end of the step
 ([SimoHughes1998] 3.4):
 
-    Δε_p = Δλ P T,      Δp = Δλ σ_eq,      σ_eq = σ_y(p + Δp, Δp/Δt).
+    (1)  Δε_p = Δλ P T,      Δp = Δλ σ_eq,
+    (2)  σ_eq = σ_y(p + Δp, Δp/Δt).
 
 **Modes.** Let V bring both matrices to diagonals, VᵀPV = diag(μ), V Vᵀ = C (the moduli's Cholesky
 factor times the eigenvectors of its congruence with P). With T = V z all is scalar,
 
-    z_i = z_i^trial / (1 + Δλ μ_i),    g(Δλ) = σ_eq = √(Σ μ_i z_i²),    z^trial = Vᵀ(ε - ε_p^old),
+    (3)  z_i = z_i^trial / (1 + Δλ μ_i),    σ_eq = √(Σ μ_i z_i²),    z^trial = Vᵀ(ε - ε_p^old),
 
-for isotropic and orthotropic moduli, von Mises and Hill alike; only V and μ differ. With Δλ =
-Δp/σ_y and q_i = μ_i (z_i^trial)², the one equation left has no root in it:
+for isotropic and orthotropic moduli, von Mises and Hill alike; only V and μ differ. With
 
-    G(Δp) = Σ q_i/(σ_y + μ_i Δp)² = 1,       σ_y = σ_y(p + Δp, Δp/Δt).
+    (4)  Δλ = Δp/σ_y,    q_i = μ_i (z_i^trial)²,
+
+the one equation left has no root in it:
+
+    (5)  G(Δp) = Σ q_i/(σ_y + μ_i Δp)² = 1,       σ_y = σ_y(p + Δp, Δp/Δt).
 
 It is solved as 1/√G = 1 by Newton's method: 1/√G is a straight line in Δp where all μ_i agree and
 the hardening is linear, whatever the step, and nearly one otherwise:
 
-    Δp <- Δp + (G √G - G)/B,       B = Σ q_i (dσ_y/dp + μ_i)/(σ_y + μ_i Δp)³ = -G'/2,
+    (6)  Δp <- Δp + (G √G - G)/B,       B = Σ q_i (dσ_y/dp + μ_i)/(σ_y + μ_i Δp)³ = -G'/2,
 
 with a series for the root near G = 1. In the first turn, Δp = 0, all σ_y + μ_i Δp are σ_0 + R:
 
-    Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i),       Q = Σ q_i.
+    (7)  Δp = Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i),       Q = Σ q_i.
 
 The straight part of the hardening that holds the least p of the lanes that yield is found once;
 every iteration starts its search there, and passes as many parts as the lanes are apart.
@@ -32,7 +36,7 @@ from the right of the root ends below zero. In ln Δp it is no steeper than its 
 slope only grows: Newton's method for 1/√G over ln Δp descends to the root from the right, and a
 first turn from the left takes it there,
 
-    Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
+    (8)  Δp <- Δp exp x,      x = (G √G - G)/(B Δp).
 
 The iteration ends when |G - 1| < 8e-6 in all lanes that yield, with a rate factor |x| < 8e-6; the
 last correction is added to the first order, which leaves 1e-11 to 1e-10 of the stress, and less
@@ -101,16 +105,20 @@ class Flow(NamedTuple):
 class _Turn(NamedTuple):
     """What a turn of Newton's method found at p + Δp."""
 
-    yielding: tuple[Number, Number]
-    """σ_y and its derivative with respect to Δp."""
-    isotropic: tuple[Number, Number]
-    """R and its derivative with respect to Δp."""
+    sigma: Number
+    """σ_y [MPa]."""
+    sigma_slope: Number
+    """dσ_y/dΔp [MPa]."""
+    R: Number
+    """R [MPa]."""
+    R_slope: Number
+    """dR/dp [MPa]."""
     inverse: tuple[Number, ...]
     """1/(σ_y + μ_i Δp) of each mode [1/MPa]."""
     rates: tuple[Number, ...]
     """Derivative of σ_y + μ_i Δp with respect to Δp, times its inverse."""
     G: Number
-    """G of the equation G(Δp) = 1."""
+    """G of (5)."""
     change: Number
     """Correction of Δp by this turn."""
 
@@ -127,31 +135,9 @@ def excess(squared: Number, start: Number, may_flow: bool) -> Number:
     return beyond if may_flow else zero_like(squared) - start * start
 
 
-@always_inline
-def _turn_of_two(yielding, q, mu, dp):
-    """Return G, 1/(σ_y + μ_i Δp) and their slopes, and B; see the head of the module.
-
-    yielding : σ_y and its slope at p + Δp.
-    """
-    sigma, slope = yielding
-    a0, a1 = sigma + mu[0] * dp, sigma + mu[1] * dp
-    over = 1.0 / (a0 * a1)
-    i0, i1 = over * a1, over * a0
-    r0, r1 = (slope + mu[0]) * i0, (slope + mu[1]) * i1
-    s0, s1 = q[0] * i0 * i0, q[1] * i1 * i1
-    return s0 + s1, (i0, i1), (r0, r1), s0 * r0 + s1 * r1
-
-
-@always_inline
-def _turn_of_three(yielding, q, mu, dp):
-    """Return the same for three modes."""
-    sigma, slope = yielding
-    a0, a1, a2 = sigma + mu[0] * dp, sigma + mu[1] * dp, sigma + mu[2] * dp
-    over = 1.0 / (a0 * a1 * a2)
-    i0, i1, i2 = over * (a1 * a2), over * (a0 * a2), over * (a0 * a1)
-    r0, r1, r2 = (slope + mu[0]) * i0, (slope + mu[1]) * i1, (slope + mu[2]) * i2
-    s0, s1, s2 = q[0] * i0 * i0, q[1] * i1 * i1, q[2] * i2 * i2
-    return s0 + s1 + s2, (i0, i1, i2), (r0, r1, r2), s0 * r0 + s1 * r1 + s2 * r2
+# ---------------------------------------------------------------- sums over two or three modes
+#
+# Written out, as kernels cannot loop over tuples; isotropic moduli with von Mises have two modes.
 
 
 @always_inline
@@ -161,8 +147,28 @@ def _sums_of_two(q, mu):
 
 
 @always_inline
+def _turn_of_two(sigma, slope, q, mu, dp):
+    """Return G of (5), 1/(σ_y + μ_i Δp) and their rates, and B of (6), by one division."""
+    a0, a1 = sigma + mu[0] * dp, sigma + mu[1] * dp
+    over = 1.0 / (a0 * a1)
+    i0, i1 = over * a1, over * a0
+    r0, r1 = (slope + mu[0]) * i0, (slope + mu[1]) * i1
+    s0, s1 = q[0] * i0 * i0, q[1] * i1 * i1
+    return s0 + s1, (i0, i1), (r0, r1), s0 * r0 + s1 * r1
+
+
+@always_inline
+def _flow_of_two(beyond, dp, found, none):
+    """Return Δλ z_i/z_i^trial after the last change, to the first order."""
+    inverse, rates, change = found.inverse, found.rates, found.change
+    return (
+        where_above(beyond, 0.0, dp * inverse[0] * (1.0 - rates[0] * change), none),
+        where_above(beyond, 0.0, dp * inverse[1] * (1.0 - rates[1] * change), none),
+    )
+
+
+@always_inline
 def _sums_of_three(q, mu):
-    """Return the same for three modes."""
     return (
         q[0] + q[1] + q[2],
         q[0] * mu[0] + q[1] * mu[1] + q[2] * mu[2],
@@ -171,17 +177,18 @@ def _sums_of_three(q, mu):
 
 
 @always_inline
-def _flow_of_two(beyond, dp, inverse, rates, change, none):
-    """Return Δλ z_i/z_i^trial after the last change, to the first order."""
-    return (
-        where_above(beyond, 0.0, dp * inverse[0] * (1.0 - rates[0] * change), none),
-        where_above(beyond, 0.0, dp * inverse[1] * (1.0 - rates[1] * change), none),
-    )
+def _turn_of_three(sigma, slope, q, mu, dp):
+    a0, a1, a2 = sigma + mu[0] * dp, sigma + mu[1] * dp, sigma + mu[2] * dp
+    over = 1.0 / (a0 * a1 * a2)
+    i0, i1, i2 = over * (a1 * a2), over * (a0 * a2), over * (a0 * a1)
+    r0, r1, r2 = (slope + mu[0]) * i0, (slope + mu[1]) * i1, (slope + mu[2]) * i2
+    s0, s1, s2 = q[0] * i0 * i0, q[1] * i1 * i1, q[2] * i2 * i2
+    return s0 + s1 + s2, (i0, i1, i2), (r0, r1, r2), s0 * r0 + s1 * r1 + s2 * r2
 
 
 @always_inline
-def _flow_of_three(beyond, dp, inverse, rates, change, none):
-    """Return the same for three modes."""
+def _flow_of_three(beyond, dp, found, none):
+    inverse, rates, change = found.inverse, found.rates, found.change
     return (
         where_above(beyond, 0.0, dp * inverse[0] * (1.0 - rates[0] * change), none),
         where_above(beyond, 0.0, dp * inverse[1] * (1.0 - rates[1] * change), none),
@@ -190,14 +197,16 @@ def _flow_of_three(beyond, dp, inverse, rates, change, none):
 
 
 _OF_MODES = {
-    2: (_turn_of_two, _sums_of_two, _flow_of_two),
-    3: (_turn_of_three, _sums_of_three, _flow_of_three),
+    2: (_sums_of_two, _turn_of_two, _flow_of_two),
+    3: (_sums_of_three, _turn_of_three, _flow_of_three),
 }
+
+# ---------------------------------------------------------------- Newton's method
 
 
 @always_inline
 def _first_flow(total, start, steep):
-    """Return Q (√Q - σ_y)/(Q dR/dp + Σ q_i μ_i) by one division, and no root where Q is near σ_y².
+    """Return Δp of (7) by one division, and no root where Q is near σ_y².
 
     total, start, steep : Q, σ_y and the divisor.
     """
@@ -216,7 +225,7 @@ def _first_flow(total, start, steep):
 
 @always_inline
 def _straight(G, B, dp, stiff, beyond):
-    """Return |G - 1| of the lanes that yield, and the change of Δp."""
+    """Return |G - 1| of the lanes that yield, and the change of Δp by (6)."""
     off = where_above(beyond, 0.0, larger(G - 1.0, 1.0 - G), zero_like(G))
     if any_above(off, 0.1):
         change = G * (square_root(G) - 1.0)
@@ -229,7 +238,7 @@ def _straight(G, B, dp, stiff, beyond):
 
 @always_inline
 def _in_proportion(G, B, dp, stiff, beyond):
-    """Return |x| of the lanes that yield, and the change of Δp, for a rate factor.
+    """Return |x| of the lanes that yield, and the change of Δp by (8), for a rate factor.
 
     stiff : μ/(σ_y + μ Δp) of one mode, which says how Δp changes the stress.
     """
@@ -248,23 +257,6 @@ def _straight_rise(p, part, plastic):
     return p[part + 2] + slope * plastic, slope
 
 
-def _make_yield_stress(rise: Any, rate_factor: Any, has_rate: bool) -> Any:
-    @always_inline
-    def yield_stress(p, at, part, eq, dp, dt):
-        """Return σ_y with its slope, and R with its slope, after a step of p of length ``dp``.
-
-        part : a place of :func:`part_of` for the start of the step, of all lanes that yield.
-        """
-        R, steep = rise(p, part, eq + dp)
-        static = p[at] + R
-        if not has_rate:
-            return (static, steep), (R, steep)
-        factor, steeper = rate_factor(p, int(p[0]), dp / dt)
-        return (static * factor, steep * factor + static * steeper / dt), (R, steep)
-
-    return yield_stress
-
-
 def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
     """Return the function that finds the flow of a step, for a function of the rate.
 
@@ -272,75 +264,45 @@ def make_flow(rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
     by the row of the hardening; p[0] is the place of the numbers of the rate; the shares q_i of the
     two or three trial modes in σ_eq²; μ_i; :func:`excess`, above zero in at least one lane; the
     history (p, R); Δt [s]. It returns a :class:`Flow`.
+
+    The four functions below are those of one law: what differs between laws, the factor and the
+    number of modes, is fixed when they are compiled.
     """
-    _, sums, _ = _OF_MODES[n_mode]
-    turn = _make_turn(_straight_rise, always_inline(rate_factor), has_rate, n_mode)
-    end = _make_end(has_rate, n_mode)
-    name = f"{rate_factor.__module__}.{rate_factor.__qualname__} {n_mode} {has_rate}"
-    along = _make_turn(_rise, always_inline(rate_factor), has_rate, n_mode)
-    further = _make_further(along, end, sums, name)
-
-    @apart_as(name)
-    def flow(p, at, q, mu, beyond, state, dt):
-        # No loop: the compiler would first load all constants of its body, and then store them.
-        not_inlined()
-        eq, R_old = state
-        part, limit = at + 2, p[at + 5]
-        if any_above(eq, limit):
-            # The last but one argument is of no use here: the first Δp is found anew there.
-            return further(p, at, q, mu, beyond, state, eq, dt)
-        total, slopes, _ = sums(q, mu)
-        dp = _first_flow(total, p[at] + R_old, total * p[part + 1] + slopes)
-        dp = where_above(beyond, 0.0, dp, zero_like(eq))
-        off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
-        if seldom(any_above(off, _ENOUGH)) or seldom(any_above(eq + dp, limit)):
-            return further(p, at, q, mu, beyond, state, dp, dt)
-        return end(p, at, beyond, state, dp, found)
-
-    return flow
-
-
-def _make_turn(rise: Any, rate_factor: Any, has_rate: bool, n_mode: int) -> Any:
-    yield_stress = _make_yield_stress(rise, rate_factor, has_rate)
-    one_turn, _, _ = _OF_MODES[n_mode]
     newton = _in_proportion if has_rate else _straight
+    sums, turn_of_modes, flow_of_modes = _OF_MODES[n_mode]
+    factor_by_rate = always_inline(rate_factor)
+    name = f"{rate_factor.__module__}.{rate_factor.__qualname__} {n_mode} {has_rate}"
 
     @always_inline
-    def turn(p, at, part, q, mu, beyond, eq, dp, dt):
-        """Return how far Δp is off, and the turn."""
-        yielding, isotropic = yield_stress(p, at, part, eq, dp, dt)
-        G, inverse, rates, B = one_turn(yielding, q, mu, dp)
+    def turn(p, at, rise, q, mu, beyond, dp, dt):
+        """Return how far Δp is off, and the turn; rise : R and dR/dp at p + Δp."""
+        R, R_slope = rise
+        sigma, slope = p[at] + R, R_slope
+        if has_rate:  # σ_y = (σ_0 + R) f(Δp/Δt)
+            factor, steeper = factor_by_rate(p, int(p[0]), dp / dt)
+            sigma, slope = sigma * factor, slope * factor + sigma * steeper / dt
+        G, inverse, rates, B = turn_of_modes(sigma, slope, q, mu, dp)
         off, change = newton(G, B, dp, mu[0] * inverse[0], beyond)
-        return off, _Turn(yielding, isotropic, inverse, rates, G, change)
-
-    return turn
-
-
-def _make_end(has_rate: bool, n_mode: int) -> Any:
-    _, _, flow_of_modes = _OF_MODES[n_mode]
+        return off, _Turn(sigma, slope, R, R_slope, inverse, rates, G, change)
 
     @always_inline
     def end(p, at, beyond, state, dp, found):
-        """Return the flow after the last correction, to the first order; see :class:`_Turn`."""
-        (sigma, sigma_slope), (R, R_slope), change = found.yielding, found.isotropic, found.change
+        """Return the flow after the last correction, to the first order."""
         eq, R_old = state
         none = zero_like(eq)
-        start = p[at] + R_old
-        dp, sigma, R = dp + change, sigma + sigma_slope * change, R + R_slope * change
-        mean = 0.5 * (start + sigma)
+        start, change = p[at] + R_old, found.change
+        dp = dp + change
+        sigma, R = found.sigma + found.sigma_slope * change, found.R + found.R_slope * change
+        mean = 0.5 * (start + sigma)  # without a rate factor the yield stress at rest is σ_y
         if has_rate:
             mean = 0.5 * sigma * (1.0 + start / (p[at] + R))
         return Flow(
-            flow_of_modes(beyond, dp, found.inverse, found.rates, change, none),
+            flow_of_modes(beyond, dp, found, none),
             where_above(beyond, 0.0, eq + dp, eq),
             where_above(beyond, 0.0, R, R_old),
             where_above(beyond, 0.0, mean * dp, none),
         )
 
-    return end
-
-
-def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
     @apart_as(name)
     def further(p, at, q, mu, beyond, state, dp, dt):
         """Return the flow by as many turns as it takes, between bounds that close in on Δp.
@@ -353,6 +315,7 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
         total, slopes, softest = sums(q, mu)
         part = at + 2
         if any_above(eq, p[part + 3]):
+            # Lanes that do not yield say nothing about where to start.
             part = _part_of(p, at + 1, where_above(beyond, 0.0, eq, np.inf))
             _, steep = _rise(p, part, eq)
             dp = _first_flow(total, p[at] + R_old, total * steep + slopes)
@@ -360,7 +323,7 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
         low, high, closed = none, none, none
         count = 0
         while True:
-            off, found = turn(p, at, part, q, mu, beyond, eq, dp, dt)
+            off, found = turn(p, at, _rise(p, part, eq + dp), q, mu, beyond, dp, dt)
             if not any_above(off, _ENOUGH):
                 break
             if count == 0:
@@ -378,12 +341,31 @@ def _make_further(turn: Any, end: Any, sums: Any, name: str) -> Any:
             # A turn that would leave the bracket halves it.
             new = where_above(new, low, new, middle)
             new = where_above(high, new, new, middle)
+            # Lanes that are done stay as they are: their last correction is still to be added.
             dp = where_above(beyond, 0.0, where_above(off, _ENOUGH, new, dp), none)
         # A lane that is not solved gets nan, which stops the run by name.
         dp = where_above(off, _ENOUGH, np.nan * dp, dp)
         return end(p, at, beyond, state, dp, found)
 
-    return further
+    @apart_as(name)
+    def flow(p, at, q, mu, beyond, state, dt):
+        # No loop: the compiler would first load all constants of its body, and then store them.
+        not_inlined()
+        eq, R_old = state
+        part, limit = at + 2, p[at + 5]
+        if any_above(eq, limit):
+            # The last but one argument is of no use here: the first Δp is found anew there.
+            return further(p, at, q, mu, beyond, state, eq, dt)
+        total, slopes, _ = sums(q, mu)
+        dp = _first_flow(total, p[at] + R_old, total * p[part + 1] + slopes)
+        dp = where_above(beyond, 0.0, dp, zero_like(eq))
+        # In most steps all lanes stay on the first straight part, and one turn is enough.
+        off, found = turn(p, at, _straight_rise(p, part, eq + dp), q, mu, beyond, dp, dt)
+        if seldom(any_above(off, _ENOUGH)) or seldom(any_above(eq + dp, limit)):
+            return further(p, at, q, mu, beyond, state, dp, dt)
+        return end(p, at, beyond, state, dp, found)
+
+    return flow
 
 
 def modes_of(moduli: Floats, flow: Floats) -> tuple[Floats, Floats]:

@@ -37,7 +37,6 @@ from shellcut.arrays import Floats, Ints, product, unit
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.state import State
 
-from .present_quads import PresentQuads
 from .section import frame_components
 from .surface import Surface
 
@@ -96,7 +95,7 @@ class CentreStress:
             coupling[:] = 0.0
         self._membrane, self._plies = (mean, coupling), (ply, middle, slope)
 
-    def cauchy(self, state: State, _present: PresentQuads, which: Ints, place: str) -> Floats:
+    def cauchy(self, state: State, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads, as :meth:`.PointOutput.cauchy`."""
         check_place(place)
         which = check_quads(which, len(state.quads))
@@ -152,7 +151,7 @@ class CentreStress:
         total = stress * (1.0 - dJ_over_J) + strained + turned + turned.swapaxes(1, 2)
         return np.asarray(total)
 
-    def faces(self, state: State, _present: PresentQuads) -> FaceStresses:
+    def faces(self, state: State) -> FaceStresses:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
         x, t, quads = state.node.x, state.node.t, state.quads
         every = np.arange(len(quads))

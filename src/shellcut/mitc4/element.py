@@ -81,6 +81,7 @@ Pair: TypeAlias = tuple[Number, Number]
 @always_inline
 def modes(v0: Vector, v1: Vector, v2: Vector, v3: Vector) -> Modes:
     """Return p, q, h and m of four corner vectors."""
+    # Eight additions of vectors in the place of twelve.
     a, b = sub(v2, v0), sub(v1, v3)
     c, d = add(v0, v2), add(v1, v3)
     return add(a, b), sub(a, b), sub(c, d), add(c, d)
@@ -137,6 +138,7 @@ def products(x: Modes, t: Modes) -> Sixteen:
     """Return the sixteen scalar products whose changes are the strains."""
     p, q, h, _ = x
     tp, tq, th, tm = t
+    # The sums of two products share these; see the table at the head of this module.
     ptq, qtp, htp, htq, htm = _dot(p, tq), _dot(q, tp), _dot(h, tp), _dot(h, tq), _dot(h, tm)
     return (
         0.5 * _dot(p, p),
@@ -163,6 +165,7 @@ def mode_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[Vector, ...]:
     """Return r · ds/d(p, q, h) and r · ds/d(tp, tq, th, tm)."""
     p, q, h, _ = x
     tp, tq, th, tm = t
+    # A product that stands in two strains, as p·tq in s9 and s13, pulls with both resultants.
     p_tq, q_tp, h_tm = r[9] + r[13], r[9] + r[15], r[13] + r[15]
     h_tp, h_tq = r[10] + r[14], r[11] + r[12]
     fp = add_scaled(add_scaled(scale(r[0], p), r[3], q), r[4], h)
@@ -193,6 +196,8 @@ def nodal_forces(x: Modes, t: Modes, r: Sixteen) -> tuple[tuple[Number, ...], ..
         Resultants.
     """
     fp, fq, fh, gp, gq, gh, gm = mode_forces(x, t, r)
+    # The chain rule of the modes: x0 is in p and q with -1 and in h with +1, and so on; no strain
+    # depends on m of the positions.
     f_sum, f_difference = add(fp, fq), sub(fp, fq)
     g_sum, g_difference = add(gp, gq), sub(gp, gq)
     g_even, g_odd = add(gm, gh), sub(gm, gh)
@@ -221,6 +226,7 @@ class FlatModuli(NamedTuple):
 @always_inline
 def _at_gauss_points(c: Six) -> tuple[Pair, Pair, Four]:
     """Return 16 E_11 at eta = -G, G, 16 E_22 at xi = -G, G and 16 2E_12 at the Gauss points."""
+    # eta² = xi² = 1/3 at all Gauss points, xi eta = 1/3 at two and -1/3 at two.
     even = (1.0 / 3.0) * c[2]
     e11, e22 = c[0] + even, c[1] + even
     alike, apart = c[3] + 2.0 * even, c[3] - 2.0 * even
@@ -253,6 +259,7 @@ def _from_gauss_points(n0: Three, n1: Three, n2: Three, n3: Three) -> Six:
 @always_inline
 def _plane_stress(k: Number, by: Number, a: Three, e11: Number, e22: Number, e12: Number) -> Three:
     """Return k (a:e) a - ``by`` adj e, the stress at a Gauss point; e12 is 2 E_12."""
+    # A:E, and its share along A; the rest of the law is the adjugate of E.
     trace = k * (a[0] * e11 + a[1] * e22 + a[2] * e12)
     return (
         trace * a[0] - by * e22,
@@ -306,6 +313,7 @@ def flat_resultants(table: Floats, moduli: FlatModuli, b: int, lane: Lane, s: Si
     2¹⁴ = 16² 8²; and k det(8 A) = C_11 J⁻¹ / 16², which the moduli turn into 2 mu and shear.
     """
     g11, g22, g12 = _at_gauss_points(pick_all(table, b, 0, 6, lane))
+    # A = adj G_ab: the diagonal is exchanged, the shear changes its sign; ½, for g12 is 2 G_12.
     metric = (
         (g22[0], g11[0], -0.5 * g12[0]),
         (g22[1], g11[0], -0.5 * g12[1]),
@@ -343,11 +351,13 @@ def full_resultants(h: Floats, b: int, lane: Lane, s: Sixteen, work: Floats) -> 
     h : (n_block, 136, width), the upper triangle of H, row by row.  work : (2, 16, width),
     overwritten.
     """
+    # In memory, not in registers: 32 numbers of eight lanes would not fit, and loops need places.
     put_all(work, 0, 0, lane, s)
     for k in range(N_STRAIN):
         put(work, 1, k, lane, zero(lane))
     entry = 0
     for i in range(N_STRAIN):
+        # Each entry of the upper triangle is read once: it serves row i and, transposed, row j.
         si = pick(work, 0, i, lane)
         ri = pick(work, 1, i, lane) + pick(h, b, entry, lane) * si
         for j in range(i + 1, N_STRAIN):

@@ -1,25 +1,46 @@
 """Tangent stiffness of the quads of a film: of the linear section, of the law, and its bound.
 
 For a linear film it is the derivative of the forces. For a nonlinear law it is the consistent one
-(:mod:`.point_tangent`), of a step from the history to the present positions; and its bound, for the
-time step, is that of the frozen law, or of the elastic moduli, with the stresses of the law.
+of a step from the history to the present positions; and its bound, for the time step, is that of
+the frozen law (:class:`~shellcut.material.point_law.PointLaw`), or of the elastic moduli, with the
+stresses of the law: the stiffness of the film if it unloads from the present state.
+
+The resultants r of a quad with thickness points are functions of its sixteen strains s and of the
+history of t_{n-1}. Their central differences, each strain moved by some 1e-8 there and back, are
+far finer than any yield strain and differ from the derivative by round-off, 1e-8 of the moduli:
+Newton's iteration with them converges as with exact ones until it has gained eight digits, and by
+as many in every turn then. It is the *consistent* tangent ([SimoTaylor1985]): the whole return to
+the yield surface is differentiated, not its rate form.
 """
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
+from shellcut.material.law_dispatch import HistoryStep
+from shellcut.numerics.jit import kernel
+from shellcut.numerics.lanes import pick_all, put_all
 
-from .element import N_STRAIN
+from .element import N_STRAIN, Sixteen
+from .forces import point_resultants
 from .places import Places
-from .point_tangent import differentiate_resultants, frozen_rule
-from .quad_strains import PointQuads
+from .quad_strains import PointQuads, one_quad
 from .tangent import N_FREEDOM, add_tangent_products, quad_tangents
+from .thickness_points import PointRule
 
 # Marks the moduli of the linear film.
 _NO_MODULI = np.empty((0, N_STRAIN, N_STRAIN))
 _ANY_BASIS = np.empty((0, 2, 3))
+
+_Section: TypeAlias = tuple[Floats | None, bool, Floats]
+"""Resultants, shape (n, 16), with True, or strains that are left out of those of the linear film,
+with False; and moduli dr/ds, shape (n, 16, 16), of none for those of the linear film."""
+
+# Change of a Cartesian strain for the differences.
+_STEP = 2e-8
 
 
 class FilmTangents:
@@ -69,32 +90,27 @@ class FilmTangents:
         basis : ndarray, shape (n_node, 2, 3)
             Unit tangents along which directors turn; of no nodes for any.
         """
-        if self._linear:
-            return self._made(present, quads, bent, False, _NO_MODULI, basis)
-        resultants, moduli = self._differentiated(present, quads, area, history, dt)
-        return self._made(present, quads, resultants, True, moduli, basis)
+        section = self._section(present, quads, area, history, dt, bent)
+        return self._made(present, quads, *section, basis)
 
     def bound(self, present: PointQuads, quads: Ints, area: Floats, history: Floats) -> Floats:
         """Return bounds of the tangents for the time step, shape (n, 20, 20)."""
         if self._linear:
-            return self._made(present, quads, None, False, _NO_MODULI)
+            return self._made(present, quads, None, False)
         if self._frozen is None:
-            resultants, moduli = self._differentiated(
-                present, quads, area, history, 0.0, moduli=_NO_MODULI
-            )
+            law = self._differentiated(present, quads, area, history, 0.0, _NO_MODULI)
         else:
             # Its stress is that of the law but for the flow of one step, which only lowers it.
             frozen = present._replace(points=present.points._replace(rule=self._frozen))
-            resultants, moduli = self._differentiated(frozen, quads, area, history, 0.0)
-        return self._made(present, quads, resultants, True, moduli)
+            law = self._differentiated(frozen, quads, area, history, 0.0)
+        return self._made(present, quads, *law)
 
     def damping(self, present: PointQuads, quads: Ints) -> Floats:
         """Return Bᵀ H B of some quads, which the damping acts with, shape (n, 20, 20).
 
         H is that of the elastic moduli, at every stretch, whatever law gives the stress.
         """
-        none = np.zeros((quads.size, N_STRAIN))
-        return self._made(present, quads, none, True, _NO_MODULI)
+        return self._made(present, quads, None, True)
 
     def add_product(
         self,
@@ -108,9 +124,8 @@ class FilmTangents:
     ) -> None:
         """Add the tangent of the whole film times a motion to rows : (n_node, 6)."""
         slot = self._places.blocks.slot
-        given, moduli = not self._linear, _NO_MODULI
-        if given:
-            bent, moduli = self._differentiated(present, np.arange(slot.size), area, history, dt)
+        every = np.arange(slot.size)
+        bent, given, moduli = self._section(present, every, area, history, dt, bent)
         add_tangent_products(
             slot=slot,
             quads=present.quads,
@@ -122,6 +137,20 @@ class FilmTangents:
             rows=rows,
         )
 
+    def _section(
+        self,
+        present: PointQuads,
+        quads: Ints,
+        area: Floats,
+        history: Floats,
+        dt: float,
+        bent: Floats | None,
+    ) -> _Section:
+        """Return what the kernels take of the section of some quads in a step."""
+        if self._linear:
+            return bent, False, _NO_MODULI
+        return self._differentiated(present, quads, area, history, dt)
+
     def _differentiated(
         self,
         present: PointQuads,
@@ -130,8 +159,8 @@ class FilmTangents:
         history: Floats,
         dt: float,
         moduli: Floats | None = None,
-    ) -> tuple[Floats, Floats]:
-        """Return r, shape (n, 16), and dr/ds, shape (n, 16, 16), of some quads."""
+    ) -> _Section:
+        """Return r and dr/ds of some quads, the latter by default."""
         resultants = np.empty((quads.size, N_STRAIN))
         if moduli is None:
             moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
@@ -144,7 +173,7 @@ class FilmTangents:
             resultants=resultants,
             moduli=moduli,
         )
-        return resultants, moduli
+        return resultants, True, moduli
 
     def _made(
         self,
@@ -152,7 +181,7 @@ class FilmTangents:
         quads: Ints,
         bent: Floats | None,
         given: bool,
-        moduli: Floats,
+        moduli: Floats = _NO_MODULI,
         basis: Floats = _ANY_BASIS,
     ) -> Floats:
         tangent = np.empty((quads.size, N_FREEDOM, N_FREEDOM))
@@ -166,3 +195,69 @@ class FilmTangents:
             tangent=tangent,
         )
         return tangent
+
+
+def frozen_rule(rule: PointRule) -> PointRule | None:
+    """Return the rule with frozen laws in place of those that have one; None if none has."""
+    laws = rule.laws
+    if not any(law.frozen for law in laws.laws):
+        return None
+    frozen = tuple(law.frozen or law for law in laws.laws)
+    return rule._replace(laws=laws._replace(laws=frozen))
+
+
+@kernel
+def differentiate_resultants(
+    slot: Ints,
+    quads: PointQuads,
+    history: Floats,
+    dt: float,
+    area: Floats,
+    resultants: Floats,
+    moduli: Floats,
+) -> None:
+    """Write r to resultants : (n, 16) and dr/ds to moduli : (n, 16, 16) of the quads at ``slot``.
+
+    If moduli is empty, r alone.
+
+    history : of t_{n-1}, as in the force kernels; not changed.  dt : length of the step [s].
+    area : (n,), of the quads [mm²], which sets the differences.
+    """
+    nodes, rule = quads.quads, quads.points.rule
+    width = nodes.corner.shape[2]
+    trial = np.empty((1, history.shape[1], width))
+    row = np.empty((1, N_STRAIN, width))
+    # A curvature of step / height strains the farthest height by step; half a weight, for a
+    # single point lies in the middle.
+    height = np.abs(rule.place).max() + 0.5 * rule.weight.max()
+    for i in range(slot.shape[0]):
+        b, lane, flat, _, s = one_quad(nodes, slot[i])
+        at = HistoryStep(history, trial, b, 0, dt)
+        r, _, _ = point_resultants(quads, quads.points, flat, s, at, lane)
+        for k in range(N_STRAIN):
+            resultants[i, k] = r[k]
+        if not moduli.shape[0]:
+            continue
+        for m in range(N_STRAIN):
+            # Sixteen times the covariant strain, whose unit is the square of half an edge.
+            step = 4.0 * area[i] * _STEP
+            if m >= 12:
+                step = 8.0 * np.sqrt(area[i]) * _STEP
+            elif m >= 6:
+                step /= height
+            # Central differences, of which the error is of the second order.
+            for sign in range(2):
+                put_all(row, 0, 0, 0, s)
+                row[0, m, 0] += step if sign == 0 else -step
+                moved: Sixteen = pick_all(row, 0, 0, N_STRAIN, 0)
+                r, _, _ = point_resultants(quads, quads.points, flat, moved, at, lane)
+                for k in range(N_STRAIN):
+                    if sign == 0:
+                        moduli[i, k, m] = r[k] / (2.0 * step)
+                    else:
+                        moduli[i, k, m] -= r[k] / (2.0 * step)
+        # It has a potential up to the differences' error; the tangent's solvers want it exactly.
+        for k in range(N_STRAIN):
+            for m in range(k):
+                mean = 0.5 * (moduli[i, k, m] + moduli[i, m, k])
+                moduli[i, k, m] = moduli[i, m, k] = mean

@@ -21,7 +21,7 @@ forces of single quads on single nodes, of both kinds, without changing stored v
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from shellcut.numerics.jit import always_inline, kernel
 from shellcut.numerics.lane_instructions import Lane
 from shellcut.numerics.lanes import pick_all, put_all, total, zero
 from shellcut.numerics.processor import align_stack, flush_subnormals, set_rounding
+from shellcut.state import State
 
 from .element import N_STRAIN, Sixteen, nodal_forces
 from .quad_strains import (
@@ -48,6 +49,29 @@ from .quad_strains import (
     strain_of,
 )
 from .thickness_points import PointPlace, PointTables, resultants_at
+
+
+class Work(NamedTuple):
+    """Energies of one evaluation of the shell's forces, for the energy balance."""
+
+    strain_energy: float
+    """Stored energy at t_n [N·mm]."""
+    damping: float
+    """Work of the damping stress since t_{n-1} [N·mm]."""
+    dissipated: float
+    """Energy dissipated by the material since t_{n-1} [N·mm]."""
+
+
+def linear_work(state: State, p0: float, p1: float, p2: float, rho: float) -> Work:
+    """Return the shell's work from s_n·r, s_{n-1}·r and s_{n-2}·r, see the head of this module."""
+    a_last, b_last = state.strain_forms
+    step, step_before = p0 - p1, p1 - p2
+    c = (a_last + (2.0 + rho) * step - p0) / (1.0 + rho) ** 2
+    d = (step_before - b_last) / (1.0 + rho)
+    b = step - rho * c
+    a = p0 - rho * b
+    state.strain_forms = a, b
+    return Work(0.5 * a, 0.5 * rho * (c + d), 0.0)
 
 
 @always_inline
@@ -69,6 +93,7 @@ def _linear_block(
     # Elastic and damping stress in one product: r = H (s + rho (s_n - s_{n-1})).
     u = plus_scaled(s, step.rho, minus(s, s_last))
     r = stiffness_product(tables, flat, b, None, u, work)
+    # s_n takes the place of s_{n-2}, which is read: the shell exchanges both arrays after the step.
     put_all(step.before, b, 0, None, s)
     add_to_nodes(rows, corner, b, None, (xm, tm), r)
     return dot16(s, r), dot16(s_last, r), dot16(s_before, r)
@@ -192,6 +217,7 @@ def _make_corner_kernel(by_points: bool) -> Any:
         # A law with history writes here: this evaluation must not change that of the state.
         trial = np.empty((1, history.shape[1], width))
         for i in range(slot.shape[0]):
+            # One quad as a lane of its block, by the functions of the force kernels.
             b, lane, flat, (xm, tm), s = one_quad(linear, slot[i])
             if by_points:
                 at = HistoryStep(history, trial, b, 0, step.dt)

@@ -122,6 +122,7 @@ def _fit(
     mean = np.zeros(3)
     for i in range(k):
         e = quads_at[n, i]
+        # Stresses are stored for the quads that are needed only.
         sample = np.searchsorted(sampled, e)
         px[i] = py[i] = 0.0
         for c in range(3):
@@ -130,6 +131,7 @@ def _fit(
             )
             px[i] += (centre - x[at, c]) * frame[0, c]
             py[i] += (centre - x[at, c]) * frame[1, c]
+        # (11, 22, 12) in the frame of the node at which the value is wanted.
         for row in range(3):
             a = 1 if row == 1 else 0
             b = 0 if row == 0 else 1
@@ -140,6 +142,7 @@ def _fit(
             mean[row] += s[i, row] / k
         mx += px[i] / k
         my += py[i] / k
+    # Least squares with 1, x, y: about the mean the constant decouples from the slopes.
     sxx = sxy = syy = 0.0
     for i in range(k):
         sxx += (px[i] - mx) ** 2
@@ -183,6 +186,7 @@ def _recover(
         n = nodes[i]
         tangent_basis(t, n, frame)
         if not _fit(n, n, frame, patches, value):
+            # The polynomial of the neighbour with most samples; a tip's has both flanks in it.
             richest = 0
             for j in range(n_quad_at[n]):
                 e = quads_at[n, j]
@@ -200,6 +204,7 @@ def _recover(
                 borrowed += 1
         mean = 0.5 * (value[0] + value[1])
         radius = np.sqrt((0.5 * (value[0] - value[1])) ** 2 + value[2] ** 2)
+        # Mohr's circle.
         angle = 0.5 * np.arctan2(2.0 * value[2], value[0] - value[1])
         principal[i] = mean + radius
         for c in range(3):

@@ -1,4 +1,4 @@
-"""Places of all quads and copies in the blocks, and their contents.
+"""Places of all quads and copies in the blocks, and their contents: what the kernels take.
 
 A crack that crosses a quad replaces it by copies that carry a share w of it each. Energy, forces,
 damping, mass and inertia of a copy are those of the *whole* quad, at the copy's own nodes, times w
@@ -27,15 +27,26 @@ from shellcut.arrays import Floats, Numbers, SmallIds
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.lanes import aligned_zeros
-from shellcut.state import State
+from shellcut.numerics.table_address import TableWriter
+from shellcut.state import KnownTopology, State
 
 from .blocks import QuadBlocks
-from .element import N_FLAT_PRODUCT
-from .film_axes import film_axes
-from .quad_strains import LinearTables
-from .section import full_stiffness
+from .element import N_FLAT, N_FLAT_PRODUCT, N_FULL, N_STRAIN, FlatModuli
+from .quad_strains import LinearTables, PointQuads, Quads
+from .section import N_AXES, film_axes, flat_moduli, flat_stiffness, full_stiffness
 from .tangent import quad_products
-from .thickness_points import PointTables, full_frames
+from .thickness_points import (
+    N_FLAT_FRAME,
+    N_FULL_FRAME,
+    PointTables,
+    build_rule,
+    flat_frames,
+    full_frames,
+)
+
+BLOCKS_AT_A_TIME = 512
+"""Number of blocks whose tables are built at a time: temporaries stay small beside the film's
+tables."""
 
 # Quads whose stiffness is computed at a time.
 _PATCH = 32
@@ -51,25 +62,24 @@ class Places:
     ----------
     mesh, material : Mesh, ShellMaterial
         Reference surface and layers.
-    blocks, tables, points : QuadBlocks, LinearTables, PointTables
+    blocks : QuadBlocks
         Of the whole quads.
     mass : ndarray, shape (n_quad, 4)
         Of the corners of whole quads [t].
     """
 
     def __init__(
-        self,
-        mesh: Mesh,
-        material: ShellMaterial,
-        blocks: QuadBlocks,
-        tables: LinearTables,
-        points: PointTables,
-        mass: Floats,
+        self, mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks, mass: Floats
     ) -> None:
         self._mesh, self._material = mesh, material
         self._mass = mass.copy()
         self._stiffness: dict[int, Floats] = {}
-        self.blocks, self.tables, self.points = blocks, tables, points
+        self.blocks = blocks
+        self.tables, self.points = build_tables(mesh, material, blocks)
+        self._address_of = TableWriter()
+        self._known = KnownTopology()
+        self._present: PointQuads | None = None
+        self._address: PointQuads
         self.n_whole = blocks.quad.shape[0]
         """Number of blocks before those of copies."""
         self.copy_start = np.array([self.n_whole, self.n_whole])
@@ -88,6 +98,31 @@ class Places:
         self._place(state, new, before)
         for copy in (row, new):
             self._fill(state, copy)
+
+    def present(self, state: State) -> PointQuads:
+        """Return the quads at the positions and directors of a state, the same until the next cut.
+
+        ``State.quads`` says which nodes a quad has; the blocks follow it here.
+        """
+        if self._present is None or not self._known.is_of(state):
+            self.blocks.rewire(state.quads, self._known.changed_quads(state))
+            self._present = self.at(state.node.x, state.node.t)
+            self._address = self._address_of(self._present)
+            self._known.take(state)
+        return self._present
+
+    def address(self, state: State) -> PointQuads:
+        """Return the address of the quads, for the kernels of the forces."""
+        self.present(state)
+        return self._address
+
+    def at(self, x: Floats, t: Floats) -> PointQuads:
+        """Return the quads as they are placed in the blocks, their nodes at any place.
+
+        x, t : (n_node, 3), positions [mm] and directors.
+        """
+        blocks = self.blocks
+        return PointQuads(Quads(x, t, blocks.corner, blocks.chain, self.tables), self.points)
 
     @property
     def has_copies(self) -> bool:
@@ -113,6 +148,7 @@ class Places:
         slot : ndarray of int32, shape (n_quad,)
             Place of every quad and copy.
         """
+        self._known, self._present = KnownTopology(), None
         end = self.n_whole * self.blocks.width
         rows = np.flatnonzero(slot >= end)
         if not rows.size:
@@ -213,3 +249,60 @@ def _with_more_blocks(array: Numbers, n: int) -> Numbers:
     more: Numbers = aligned_zeros((array.shape[0] + n, *array.shape[1:]), array.dtype)
     more[: array.shape[0]] = array
     return more
+
+
+def build_tables(
+    mesh: Mesh, material: ShellMaterial, blocks: QuadBlocks
+) -> tuple[LinearTables, PointTables]:
+    """Build the constant tables of the quads in blocks."""
+    n_flat, n_block = blocks.n_flat, blocks.quad.shape[0]
+    n_full = n_block - n_flat
+    rule = build_rule(material)
+    n_point = rule.place.size
+
+    def table(n_block: int, n: int) -> Floats:
+        return np.asarray(aligned_zeros((n_block, n, blocks.width)))
+
+    def in_blocks(rows: Floats) -> Floats:
+        return rows.reshape(-1, blocks.width, rows.shape[1]).transpose(0, 2, 1)
+
+    linear = LinearTables(
+        n_flat,
+        table(n_flat, N_FLAT),
+        flat_moduli(material) if n_flat else FlatModuli(0.0, 0.0, 0.0),
+        table(n_full, N_STRAIN),
+        table(n_full, N_FULL),
+    )
+    points = PointTables(
+        table(n_flat if n_point else 0, 4 * N_FLAT_FRAME),
+        table(n_full if n_point else 0, 4 * n_point * N_FULL_FRAME),
+        table(n_block if material.has_axes else 0, N_AXES),
+        rule,
+    )
+    for first in range(0, n_block, BLOCKS_AT_A_TIME):
+        for start, stop, flat in (
+            (first, min(first + BLOCKS_AT_A_TIME, n_flat), True),
+            (max(first, n_flat), min(first + BLOCKS_AT_A_TIME, n_block), False),
+        ):
+            if start >= stop:
+                continue
+            quads = mesh.quads[blocks.quad[start:stop].ravel()]
+            X, T = mesh.nodes[quads], mesh.directors[quads]
+            some = slice(start, stop) if flat else slice(start - n_flat, stop - n_flat)
+            products = quad_products(X, T)
+            # Places that repeat a quad get zero stiffness.
+            filled = blocks.filled[start:stop].reshape(-1, 1)
+            if flat:
+                linear.flat[some, :N_FLAT_PRODUCT] = in_blocks(products[:, :N_FLAT_PRODUCT])
+                stiffness = filled * flat_stiffness(X, T, material)
+                linear.flat[some, N_FLAT_PRODUCT:] = in_blocks(stiffness)
+            else:
+                linear.full_reference[some] = in_blocks(products)
+                linear.full_stiffness[some] = in_blocks(filled * full_stiffness(X, T, material))
+            if n_point:
+                frames = flat_frames(X, T) if flat else full_frames(X, T, rule)
+                table_of_frames = points.flat_frame if flat else points.full_frame
+                table_of_frames[some] = in_blocks(filled * frames)
+            if material.has_axes:
+                points.axes[start:stop] = in_blocks(film_axes(X, T, material))
+    return linear, points

@@ -30,26 +30,20 @@ from shellcut.numerics.lanes import pick_all
 from shellcut.numerics.vec3 import combine, cross, norm, scale
 from shellcut.state import State
 
-from .blocks import QuadBlocks
 from .centre_stress import FaceStresses, check_place, check_quads, in_lamina
 from .element import GAUSS, Modes, Sixteen
-from .film_axes import into_axes
-from .present_quads import PresentQuads
+from .places import Places
 from .quad_strains import PointQuads, one_quad
+from .section import into_axes
 from .thickness_points import N_FLAT_FRAME, N_FULL_FRAME, PointTables, strain_at, turn_strain
 
 
 class PointOutput:
     """Output of a film that has thickness points."""
 
-    def __init__(
-        self,
-        material: ShellMaterial,
-        blocks: QuadBlocks,
-        points: PointTables,
-    ) -> None:
-        self.take(blocks, points)
-        place, weight = points.rule.place, points.rule.weight
+    def __init__(self, material: ShellMaterial, places: Places) -> None:
+        self._places, rule = places, places.points.rule
+        place, weight = rule.place, rule.weight
         off = np.abs(place)
         middle = off <= off.min() + 1e-9 * material.thickness
         share = np.stack([weight / weight.sum(), middle / middle.sum()])
@@ -61,7 +55,7 @@ class PointOutput:
             "top": ends[0],
             "bottom": ends[1],
         }
-        n_point = points.rule.laws.kind.size // len(material.layers)
+        n_point = place.size // len(material.layers)
         laws = [layer.material.law for layer in material.layers for _ in range(n_point)]
         self._by_volume = np.array([not law.linear for law in laws])
         self._history_share: dict[str, tuple[Floats, Ints]] = {}
@@ -72,19 +66,13 @@ class PointOutput:
             )
             self._history_share[name] = has * weight / (product(has, weight)), column
 
-    def take(self, blocks: QuadBlocks, points: PointTables) -> None:
-        """Take over the tables of the shell, after a cut has made them anew."""
-        self._blocks, self._points = blocks, points
-
-    def cauchy(self, state: State, present: PresentQuads, which: Ints, place: str) -> Floats:
+    def cauchy(self, state: State, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads in space [MPa], shape (n, 3, 3).
 
         Parameters
         ----------
         state : State
             History of t_n.
-        present : PresentQuads
-            Gives all quads of this state.
         which : ndarray of int, shape (n,)
             The quads whose output is wanted.
         place : {"mid", "top", "bottom", "nominal"}
@@ -92,12 +80,12 @@ class PointOutput:
         """
         check_place(place)
         which = check_quads(which, len(state.quads))
-        return self._stress(state, present.of(state), which, [place])[0][:, 0]
+        return self._stress(state, which, [place])[0][:, 0]
 
-    def faces(self, state: State, present: PresentQuads) -> FaceStresses:
+    def faces(self, state: State) -> FaceStresses:
         """Return the stresses of membrane, top and bottom, and the thickness of all quads."""
         every, places = np.arange(len(state.quads)), ["membrane", "top", "bottom"]
-        sigma, thickness = self._stress(state, present.of(state), every, places)
+        sigma, thickness = self._stress(state, every, places)
         return in_lamina(sigma, thickness, state.node.x, state.quads)
 
     def history_means(self, state: State) -> dict[str, Floats]:
@@ -105,23 +93,21 @@ class PointOutput:
 
         Over the Gauss points and the thickness points of the layers whose law has this number.
         """
-        rule, (n_block, _, width) = self._points.rule, state.history.shape
+        rule, (n_block, _, width) = self._places.points.rule, state.history.shape
         shape = n_block, 4, rule.place.size, rule.n_history, width
         history = state.history.reshape(shape).mean(axis=1, dtype=float)
         means = {}
         for name, (share, column) in self._history_share.items():
             chosen = history[:, np.arange(column.size), column]
             rows = np.einsum("j,bjl->bl", share, chosen).ravel()
-            means[name] = rows[self._blocks.slot]
+            means[name] = rows[self._places.blocks.slot]
         return means
 
-    def _stress(
-        self, state: State, quads: PointQuads, which: Ints, places: list[str]
-    ) -> tuple[Floats, Floats]:
+    def _stress(self, state: State, which: Ints, places: list[str]) -> tuple[Floats, Floats]:
         sigma, thickness = np.zeros((len(which), len(places), 3, 3)), np.zeros(len(which))
         _stresses(
-            slot=self._blocks.slot[which],
-            quads=quads,
+            slot=self._places.blocks.slot[which],
+            quads=self._places.present(state),
             history=state.history,
             share=np.stack([self._share[place] for place in places]),
             by_volume=self._by_volume,
@@ -196,6 +182,7 @@ def _stresses(
     for i in range(slot.shape[0]):
         b, lane, flat, (xm, tm), s = one_quad(nodes, slot[i])
         at = HistoryStep(history, trial, b, 0, 0.0)
+        # The thickness follows from the history after the law has been called; the state's is kept.
         after = HistoryStep(trial, trial, 0, 0, 0.0)
         for q in range(4):
             xi, eta = GAUSS[q]
@@ -214,9 +201,11 @@ def _stresses(
                 S, _, _ = point_stress(rule.laws, j, strain, at, first, lane)
                 stretch = point_thickness(rule.laws, j, strain, after, first, lane)
                 thickness[i] += 0.25 * rule.weight[j] * stretch
+                # |f_1 x f_2| is the change of area, times the thickness stretch that of volume.
                 normal = cross(f1, f2)
                 J = norm(normal) * (stretch if by_volume[j] else 1.0)
                 if nominal:
+                    # S turned with the surface: unit vectors in the place of the stretched ones.
                     f1 = scale(1.0 / norm(f1), f1)
                     f2 = cross(scale(1.0 / norm(normal), normal), f1)
                     J = 1.0

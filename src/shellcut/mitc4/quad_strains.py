@@ -102,6 +102,7 @@ def strain_of(
     """Return the strains of a block."""
     m = products(*modes)
     if flat:
+        # Products with directors vanish on a flat reference: six of sixteen to subtract.
         ref = pick_all(tables.flat, b, 0, 6, lane)
         membrane = (
             m[0] - ref[0],

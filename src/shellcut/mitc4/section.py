@@ -24,6 +24,11 @@ besides the metric of the reference surface (:func:`shellcut.mitc4.element.flat_
 Between nodes the interpolated director is slightly shorter than one: by 0.4 % on a curved quad that
 turns by 10°. The stiffness is that of this body, as in [DvorkinBathe1984], whose values it matches
 mesh by mesh; the mass is that of the film, rho |G_1 x G_2| ([Frangi2010] 20).
+
+**Axes of the film.** ê_1 and ê_2 follow the sides of the quad. A law with axes needs them along the
+film's direction d, of which the part normal to the director is left out, and across it. With the
+angle θ from ê_1 to d, cos θ and sin θ are two numbers a Gauss point, the same for all heights: on a
+curved film ê_1 turns about the director by less than the square of height over radius.
 """
 
 from __future__ import annotations
@@ -33,11 +38,12 @@ from itertools import islice
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, product, unit
+from shellcut.arrays import Bools, Floats, Number, Vector, product, unit
 from shellcut.material.orthotropic import strain_turns
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
+from shellcut.numerics.jit import always_inline
 from shellcut.numerics.small_matrices import inverse
 
 from .element import GAUSS, N_STRAIN, FlatModuli
@@ -48,6 +54,9 @@ _FLAT = 1e-12
 
 # Of a direction's length, that must lie in the sheet: below, round-off of normals decides.
 LEAST_IN_SHEET = 1e-6
+
+N_AXES = 8
+"""Floats a quad: cos θ, sin θ of the four Gauss points."""
 
 
 def shape_and_slopes(xi: float, eta: float) -> tuple[Floats, Floats, Floats]:
@@ -222,6 +231,58 @@ def axes_in_frame(A1: Floats, A2: Floats, T0: Floats, direction: Floats) -> tupl
     size = np.hypot(along, aside)
     size[~(size > LEAST_IN_SHEET * np.linalg.norm(direction, axis=1))] = np.nan
     return along / size, aside / size
+
+
+def film_axes(X: Floats, T: Floats, material: ShellMaterial) -> Floats:
+    """Return cos θ and sin θ at the four Gauss points of quads, shape (n_quad, 8).
+
+    Parameters
+    ----------
+    X, T : ndarray, shape (n_quad, 4, 3)
+        Reference positions [mm] and directors.
+    material : ShellMaterial
+        Knows the direction.
+
+    Raises
+    ------
+    ValueError
+        If the direction is normal to the sheet somewhere.
+    """
+    rows = []
+    for n, A1, A2, T0, _, _ in gauss_geometry(X, T):
+        place = np.einsum("a,eac->ec", n, X)
+        cosine, sine = axes_in_frame(A1, A2, T0, material.direction_at(place))
+        if np.isnan(cosine).any():
+            x, y, z = place[np.argmax(np.isnan(cosine))]
+            raise ValueError(
+                "direction must have a part in the sheet everywhere, at "
+                f"({x:.4g}, {y:.4g}, {z:.4g}) mm it is zero or normal to the film: give a function "
+                "of positions, such as the circumference of a tube"
+            )
+        rows += [cosine, sine]
+    return np.stack(rows, axis=1)
+
+
+@always_inline
+def into_axes(c: Number, s: Number, e: Vector) -> Vector:
+    """Return strains (e_11, e_22, 2 e_12) in axes turned by θ."""
+    cc, ss, cs = c * c, s * s, c * s
+    return (
+        cc * e[0] + ss * e[1] + cs * e[2],
+        ss * e[0] + cc * e[1] - cs * e[2],
+        2.0 * cs * (e[1] - e[0]) + (cc - ss) * e[2],
+    )
+
+
+@always_inline
+def out_of_axes(c: Number, s: Number, S: Vector) -> Vector:
+    """Return stresses (S_11, S_22, S_12), given in axes turned by θ, in the frame."""
+    cc, ss, cs = c * c, s * s, c * s
+    return (
+        cc * S[0] + ss * S[1] - 2.0 * cs * S[2],
+        ss * S[0] + cc * S[1] + 2.0 * cs * S[2],
+        cs * (S[0] - S[1]) + (cc - ss) * S[2],
+    )
 
 
 def lumped_mass(X: Floats, T: Floats, material: ShellMaterial) -> tuple[Floats, Floats]:

@@ -18,27 +18,25 @@ from shellcut.state import State
 
 from .blocks import QuadBlocks, build_blocks
 from .centre_stress import CentreStress, FaceStresses
-from .collapsed_quads import LEAST_AREA, smallest_area_ratio
 from .element import N_STRAIN
 from .film_tangents import FilmTangents
 from .forces import (
+    Work,
     add_flat_point_quads,
     add_flat_quads,
     add_full_point_quads,
     add_full_quads,
+    linear_work,
     write_corner_forces,
     write_point_corner_forces,
 )
 from .frequency import QuadFrequencies
-from .places import Places
+from .places import BLOCKS_AT_A_TIME, Places
 from .point_output import PointOutput
-from .present_quads import PresentQuads
 from .quad_strains import LinearTables, QuadStep
 from .section import reference_quads
-from .surface import Surface
-from .table_layout import BLOCKS_AT_A_TIME, build_tables
+from .surface import LEAST_AREA, Surface, smallest_area_ratio
 from .thickness_points import PointTables
-from .work import Work, linear_work
 
 # Rotary inertia m max(h²/12, A / _INERTIA_AREA): otherwise bending waves of such a thin shell would
 # limit the step ([Frangi2010] 5.2, after Hughes 1987, ch. 9).
@@ -84,11 +82,10 @@ class MITC4Shell:
         """Share of each corner in the quad's mass [t], shape (n_quad, 4)."""
         self.area = area
         """Reference area of the quads [mm²], shape (n_quad,)."""
-        self._reference = Surface.of(mesh)
+        self.reference = Surface.of(mesh)
+        """Nodes, directors and corners of every quad and copy in the mesh."""
         blocks = build_blocks(mesh.nodes, mesh.quads, flat)
-        tables = build_tables(mesh, material, blocks)
-        self._places = Places(mesh, material, blocks, *tables, self.mass)
-        self._n_strip = blocks.n_strip
+        self._places = Places(mesh, material, blocks, mass)
         self.has_points = bool(self.points.rule.place.size)
         """Whether the thickness is integrated with points at every step."""
         kernels: tuple[Any, Any] = (add_flat_quads, add_full_quads)
@@ -105,12 +102,11 @@ class MITC4Shell:
         self._write_corner_forces = BoundOnce(
             write_point_corner_forces if self.has_points else write_corner_forces
         )
-        self._present = PresentQuads(self._places)
         self._output: CentreStress | PointOutput
         if material.is_linear:
-            self._output = CentreStress(self._reference, material)
+            self._output = CentreStress(self.reference, material)
         else:
-            self._output = PointOutput(material, self.blocks, self.points)
+            self._output = PointOutput(material, self._places)
         self._tangents = FilmTangents(self._places, material.is_linear)
         self._history = self._history_at_rest()
         # On the film of a linear law the tangent without its pre-stress is what is damped.
@@ -141,14 +137,9 @@ class MITC4Shell:
         return self._places.points
 
     @property
-    def reference(self) -> Surface:
-        """Nodes, directors and corners of every quad and copy in the mesh."""
-        return self._reference
-
-    @property
     def mesh_quads(self) -> Ints:
         """Nodes of the mesh at the corners of every quad and copy, shape (n, 4)."""
-        return self._reference.quads
+        return self.reference.quads
 
     @property
     def added_inertia_factor(self) -> float:
@@ -207,10 +198,10 @@ class MITC4Shell:
         """Add minus the internal and damping forces at t_n to the nodal forces."""
         step = self._step(state)
         damped, rho = step.damped, step.rho
-        n_strip, copies = self._n_strip, self._places.has_copies
+        n_strip, copies = self.blocks.n_strip, self._places.has_copies
         sums = np.zeros((n_strip + copies, 3))
         rows = state.node.force_rows
-        quads = self._present.address(state)
+        quads = self._places.address(state)
 
         # Strips of one parity have no node in common (see :mod:`.blocks`).
         for parity in range(2 if n_strip > 1 else 1):
@@ -262,7 +253,7 @@ class MITC4Shell:
         self._places.cut(state, row, new)
         for copy in (row, new):
             self.mass[copy] = self._places.mass_of(state, copy)
-        self._take_tables(state)
+        self._history = state.history
 
     def saved(self) -> dict[str, Any]:
         """Return the places of all quads and copies; all else follows from the state."""
@@ -276,8 +267,7 @@ class MITC4Shell:
         self._places.restore(state, saved["slot"])
         for row in np.flatnonzero(state.quad.mass_share[: state.n_quad] < 1.0).tolist():
             self.mass[row] = self._places.mass_of(state, row)
-        self._take_tables(state)
-        self._present.forget()
+        self._history = state.history
 
     def _take_rows(self, state: State) -> None:
         """Make room for the copies that the state has got."""
@@ -286,19 +276,13 @@ class MITC4Shell:
             return
         self.mass = np.concatenate([self.mass, self.mass[copies]])
         self.area = np.concatenate([self.area, self.area[copies]])
-        nodes, directors, quads = self._reference
+        nodes, directors, quads = self.reference
         quads = np.concatenate([quads, quads[copies]])
         quads.flags.writeable = False  # as the mesh's: no kernel is compiled for another type
-        self._reference = Surface(nodes, directors, quads)
-        self.frequencies.reference = self._reference
+        self.reference = Surface(nodes, directors, quads)
+        self.frequencies.reference = self.reference
         if isinstance(self._output, CentreStress):
-            self._output.reference = self._reference
-
-    def _take_tables(self, state: State) -> None:
-        """Hand on the tables after cuts have changed them."""
-        self._history = state.history
-        if isinstance(self._output, PointOutput):
-            self._output.take(self.blocks, self.points)
+            self._output.reference = self.reference
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].
@@ -318,7 +302,7 @@ class MITC4Shell:
         self._write_corner_forces(
             self.blocks.slot[quads],
             np.ascontiguousarray(nodes, np.int64),
-            self._present.address(state),
+            self._places.address(state),
             self._step(state),
             force,
         )
@@ -342,7 +326,7 @@ class MITC4Shell:
         ndarray, shape (n, 3, 3)
             Components in space.
         """
-        return self._output.cauchy(state, self._present, quads, place)
+        return self._output.cauchy(state, quads, place)
 
     def linear_stress(
         self,
@@ -369,7 +353,7 @@ class MITC4Shell:
 
     def face_stresses(self, state: State) -> FaceStresses:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
-        return self._output.faces(state, self._present)
+        return self._output.faces(state)
 
     def history_means(self, state: State) -> dict[str, Floats]:
         """Return the history numbers of the quads by name, shape (n_quad,) each.
@@ -388,7 +372,7 @@ class MITC4Shell:
         """Return the tangent stiffness of some quads at the present state, shape (n, 20, 20).
 
         Freedoms as in :mod:`shellcut.mitc4.tangent`. For a nonlinear law it is the consistent one
-        (:mod:`shellcut.mitc4.point_tangent`), of a step from the history to the present positions.
+        (:mod:`.film_tangents`), of a step from the history to the present positions.
 
         Parameters
         ----------
@@ -402,7 +386,7 @@ class MITC4Shell:
         basis : ndarray, shape (n_node, 2, 3), optional
             Unit tangents along which the directors turn.
         """
-        present = self._present.of(state)
+        present = self._places.present(state)
         area = self.area[quads]
         basis = np.empty((0, 2, 3)) if basis is None else basis
         return self._tangents.of_step(present, quads, area, state.history, state.dt, bent, basis)
@@ -417,7 +401,7 @@ class MITC4Shell:
         [N·mm] of that shape.
         """
         rows = np.zeros((state.n_node, 6))
-        present, motion = self._present.of(state), (displacement, turn)
+        present, motion = self._places.present(state), (displacement, turn)
         self._tangents.add_product(present, self.area, state.history, state.dt, bent, motion, rows)
         return rows[:, :3], rows[:, 3:]
 
@@ -429,19 +413,19 @@ class MITC4Shell:
         if not self._tangents.has_frozen_law:
             return None
         present = Surface(state.node.x, state.node.t, state.quads)
-        ratio, quad = smallest_area_ratio(self._reference, present)
+        ratio, quad = smallest_area_ratio(self.reference, present)
         return (quad, ratio) if ratio < LEAST_AREA else None
 
     def evaluate_frequencies(self, state: State, quads: Ints) -> None:
         """Evaluate the frequencies of some quads anew, at the present positions and directors."""
-        self._present.of(state)
+        self._places.present(state)
         self.frequencies.evaluate(state.node.x, state.node.t, state.quads, quads)
 
     def _tangent_bounds(self, x: Floats, t: Floats, quads: Ints) -> Floats:
         """Return bounds of the tangents of some quads for the time step, shape (n, 20, 20)."""
-        present = self._present.at(x, t)
+        present = self._places.at(x, t)
         return self._tangents.bound(present, quads, self.area[quads], self._history)
 
     def _damped_stiffness(self, x: Floats, t: Floats, quads: Ints) -> Floats:
         """Return the stiffness of some quads that damping acts with, shape (n, 20, 20)."""
-        return self._tangents.damping(self._present.at(x, t), quads)
+        return self._tangents.damping(self._places.at(x, t), quads)

@@ -113,6 +113,7 @@ def _most_stretched(x: Floats, quads: Ints, last: LastEvaluation, rate: float) -
         a, b, c = last.metric[e, 0], last.metric[e, 1], last.metric[e, 2]
         pp, qq, pq = _metric(x, quads, e)
         # The largest eigenvalue of the metric on the old one is the square of the stretch.
+        # Trace and determinant of the new metric on the old one give its eigenvalues.
         area = a * b - c * c
         half = 0.5 * (pp * b + qq * a - 2.0 * pq * c) / area
         product = (pp * qq - pq * pq) / area

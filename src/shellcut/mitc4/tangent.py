@@ -160,6 +160,7 @@ def quad_tangents(
         r = _resultants(quads, b, lane, (xm, tm), bent[i], given, row, work)
         forces = nodal_forces(xm, tm, r)
         for a in range(4):
+            # The director's curvature, - t·W_t, on the diagonal of both turns.
             pull = 0.0
             for c in range(3):
                 pull -= forces[a][3 + c] * t[corner[b, a, lane], c]
@@ -179,17 +180,20 @@ def quad_tangents(
                 for c in range(3):
                     along[1, a, c] = basis[a, d, c]
             xd, td = _modes_in(along, 0), _modes_in(along, 1)
+            # ds, exactly: the products are quadratic.
             ahead = products(moved_modes(xm, 1.0, xd), moved_modes(tm, 1.0, td))
             behind = products(moved_modes(xm, -1.0, xd), moved_modes(tm, -1.0, td))
             put_all(row, 0, 0, 0, ahead)
             for k in range(N_STRAIN):
                 row[0, k, 0] = 0.5 * (row[0, k, 0] - behind[k])
             dr = _product_with(moduli, i, tables, b, lane, pick_all(row, 0, 0, N_STRAIN, 0), work)
+            # df = f(u, H ds) + f(d, r).
             moved, turned = nodal_forces(xm, tm, dr), nodal_forces(xd, td, r)
             for a in range(4):
                 for c in range(3):
                     tangent[i, 3 * a + c, column] = -(moved[a][c] + turned[a][c]) / step
                 for d in range(2):
+                    # Only the part of a director's force along its two turns counts.
                     for c in range(3):
                         force = moved[a][3 + c] + turned[a][3 + c]
                         tangent[i, 12 + 2 * a + d, column] -= force * basis[a, d, c] / step

@@ -46,8 +46,7 @@ from shellcut.numerics.lanes import pick_all, zero
 from shellcut.numerics.processor import not_inlined
 
 from .element import G, Sixteen
-from .film_axes import into_axes, out_of_axes
-from .section import frame_components, gauss_geometry
+from .section import frame_components, gauss_geometry, into_axes, out_of_axes
 
 N_FLAT_FRAME, N_FULL_FRAME = 4, 7
 """Floats per frame: (a, b, f, √G), and (a, b, p, f, r, d, w √G)."""
@@ -79,7 +78,7 @@ class PointTables(NamedTuple):
     full_frame: Annotated[Floats, "(n_full_frame, n_number, width)"]
     """4 n_point 7 numbers per block."""
     axes: Annotated[Floats, "(n_axes, 8, width)"]
-    """Of :mod:`.film_axes`, of all blocks; empty if no law has axes."""
+    """Of :func:`.section.film_axes`, of all blocks; empty if no law has axes."""
     rule: PointRule
 
 
@@ -283,12 +282,14 @@ def _flat_gauss_point(
         e, k = into_axes(along, aside, e), into_axes(along, aside, k)
         e13, e23 = along * e13 + aside * e23, along * e23 - aside * e13
     n, m, density, lost = _through_flat(rule.laws, place, q, (e, k), history, lane)
+    # Shear is the same at all heights of a flat quad: once, with the moduli's integrals.
     g11, g12, g22 = rule.whole_shear[0], rule.whole_shear[1], rule.whole_shear[2]
     s13, s23 = g11 * e13 + g12 * e23, g12 * e13 + g22 * e23
     stored = volume * (density + 0.5 * (s13 * e13 + s23 * e23))
     if has_axes(rule.laws):
         n, m = out_of_axes(along, aside, n), out_of_axes(along, aside, m)
         s13, s23 = along * s13 - aside * s23, aside * s13 + along * s23
+    # The volume last: the layers have summed per area of the mid-surface.
     n = (volume * n[0], volume * n[1], volume * n[2])
     m = (volume * m[0], volume * m[1], volume * m[2])
     quarter = 0.25 * volume
@@ -335,6 +336,7 @@ def _full_layers(
         a, c, p, f, t, d, w = pick_all(table, b, at, N_FULL_FRAME, lane)
         a, c, f = 0.25 * a, 0.25 * c, 0.25 * f
         e1, e2, e12 = turn_strain(a, c, f, (e[0] + z * k[0], e[1] + z * k[1], e[2] + z * k[2]))
+        # On a curved or warped quad ê_1 and ê_2 have parts along G^3: shear adds to the strain.
         ag, fg = a * g1 + c * g2, f * g2
         strain = (e1 + p * ag, e2 + t * fg, e12 + t * ag + p * fg)
         e13, e23 = d * ag, d * fg
@@ -353,6 +355,7 @@ def _full_layers(
         if has_axes(rule.laws):
             s1, s2, s12 = out_of_axes(along, aside, (s1, s2, s12))
             s13, s23 = along * s13 - aside * s23, aside * s13 + along * s23
+        # Each height has a frame of its own, so stresses are turned back before they are summed.
         back = _turn_back(a, c, f, (w * s1, w * s2, w * s12))
         n = (n[0] + back[0], n[1] + back[1], n[2] + back[2])
         m = (m[0] + z * back[0], m[1] + z * back[1], m[2] + z * back[2])

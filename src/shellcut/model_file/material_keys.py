@@ -25,8 +25,7 @@ from shellcut.arrays import Floats
 from shellcut.formats.errors import naming
 from shellcut.formats.number_table import NumberTable, read_number_table
 from shellcut.material.elastic import Elastic
-from shellcut.material.hardening import Linear, Swift, Table, Voce
-from shellcut.material.hardening_points import fewer_points
+from shellcut.material.hardening import Linear, Swift, Table, Voce, fewer_points
 from shellcut.material.hencky import Hencky
 from shellcut.material.material import Material
 from shellcut.material.orthotropic import Orthotropic

@@ -3,8 +3,9 @@
 Numba treats each function as one that may be called: with all that it calls it is optimised and
 translated to machine code before it becomes part of a kernel, where the same is done again. With
 functions in functions ten deep, the innermost would be compiled ten times. Here a function's code
-is handed on as it is, and the kernel that it ends up in is optimised once. All 66 kernels of the
-ready models then take 96 s of CPU time to compile, and 125 s without (Numba 0.68).
+is handed on as it is, and the kernel that it ends up in is optimised once. All kernels of the ready
+models then take 59 s of CPU time to compile, and 82 s without (Numba 0.68, two busy cores): a first
+run without this file would wait a third longer.
 
 Two parts of Numba that are not public are used: the library that holds the code of a function
 (``JITCodeLibrary``, whose optimisation and machine code are left out) and the list of passes of its

@@ -1,4 +1,4 @@
-"""The only place that calls ``numba.njit``: sets of options, with reasons.
+"""The only place that asks Numba to compile: sets of options, with reasons.
 
 ``error_model="numpy"``
     A division by zero gives inf or nan, as NumPy does, instead of a branch and an exception in
@@ -21,16 +21,21 @@ both runs one version, a process that loaded the caller from the cache the other
 functions this cannot happen.
 """
 
+# Numba's classes have no types.
+# mypy: disable-error-code="misc, no-untyped-call, attr-defined"
+
 from __future__ import annotations
 
-import functools
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import numba as nb
 from numba.core import event, types
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
 from numba.extending import register_jitable
 
 from shellcut.signals import SignalsDeferred
@@ -42,7 +47,7 @@ from .kernel_tables import check_tables
 P = ParamSpec("P")
 R = TypeVar("R")
 
-if nb.config.DISABLE_JIT:  # type: ignore[attr-defined]
+if nb.config.DISABLE_JIT:
     raise ImportError("kernels are for Numba's compiler: unset NUMBA_DISABLE_JIT")
 
 # Nobody calls these functions from C: without Numba's wrapper for that they compile faster.
@@ -62,34 +67,87 @@ ALWAYS_INLINED: Any = {**_WITHIN_KERNELS, "forceinline": True}
 """Options of :func:`always_inline`, for ``overload``."""
 
 
+class _Compiled(CPUDispatcher):
+    """What Numba makes of a function, with our options: it compiles it for types of arguments."""
+
+    def __init__(self, function: Callable[..., Any], compiler: Any, **options: Any) -> None:
+        options = {"nopython": True, **_OPTIONS, **options}
+        super().__init__(function, targetoptions=options, pipeline_class=compiler)
+
+
+class _Kernel(_Compiled):
+    """A kernel: one process compiles it, and the others load it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function, KernelCompiler, nogil=True)
+        self._cache = KernelCache(function)
+
+    def compile(self, sig: Any, wait: bool = True) -> Any:
+        """Return the machine code; None if another process compiles it, and not to wait."""
+        if self.overloads.get(sig) is not None:
+            return super().compile(sig)
+        with self._cache.alone(wait=wait) as is_alone, SignalsDeferred(), _uncollected():
+            return super().compile(sig) if is_alone else None
+
+
+class _Inline(_Compiled):
+    """A function in two versions: that of kernels, and another that Python calls."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function, Compiler)
+
+    @cached_property
+    def _within(self) -> _Compiled:
+        return _Compiled(self.py_func, InlinedCompiler, no_cpython_wrapper=True)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return that of the version of kernels."""
+        return self._within.get_call_template(args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return that of the version of kernels."""
+        return self._within.get_overload(sig)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile the version for Python; signals wait for the end."""
+        with SignalsDeferred():
+            return super().compile(sig)
+
+
+class _ForKernels(_Compiled):
+    """A function that Python cannot call: it has no wrapper, and is never run by itself."""
+
+    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
+        super().__init__(function, InlinedCompiler, no_cpython_wrapper=True, **options)
+
+    def _insert(self, *_: Any, **__: Any) -> None:
+        """Keep the machine code, which is none, from calls by Python."""
+
+    def _compile_for_args(self, *_: Any, **__: Any) -> Any:
+        raise TypeError(f"{self.py_func.__name__} is inlined into kernels, Python cannot call it")
+
+
+class _AlwaysInlined(_ForKernels):
+    """A function without code of its own in a kernel."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function, forceinline=True)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile the function for a call: once for an integer, whatever its value.
+
+        For Numba 0 and 1 in the source are of two types, and a function that is called with each
+        would be compiled twice. The value is put in when LLVM inlines the function; where it may
+        not inline it, a version for each value is faster.
+        """
+        of_any_value: Any = types.unliteral
+        by_name = {name: of_any_value(kind) for name, kind in kws.items()}
+        return super().get_call_template(tuple(map(of_any_value, args)), by_name)
+
+
 def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a loop over entities; called from Python with arrays and numbers only."""
-    compiled: Any = nb.njit(nogil=True, pipeline_class=KernelCompiler, **_OPTIONS)(function)
-    compiled._cache = KernelCache(function)
-    compiled.compile = _in_one_process(compiled, compiled.compile)
-    return cast("Callable[P, R]", compiled)
-
-
-def _in_one_process(compiled: Any, compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a compilation so that one process compiles a kernel, and the others load it."""
-
-    def compile_alone(types: object, wait: bool = True) -> Any:
-        if compiled.overloads.get(types) is not None:
-            return compile_(types)
-        with compiled._cache.alone(wait=wait) as is_alone, SignalsDeferred(), _uncollected():
-            return compile_(types) if is_alone else None
-
-    return compile_alone
-
-
-def _undisturbed(compile_: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a compilation so that signals wait for its end."""
-
-    def compile_undisturbed(types: object) -> Any:
-        with SignalsDeferred():
-            return compile_(types)
-
-    return compile_undisturbed
+    return cast("Callable[P, R]", _Kernel(function))
 
 
 @contextmanager
@@ -126,7 +184,7 @@ def bound(kernel: Any, *arguments: object) -> Callable[..., Any]:
     takes longer than passing them: 1.5 µs hot, several within a step. A caller with thousands of
     calls per second and fixed types selects it once. Arguments of other types would be misread.
     """
-    types = tuple(nb.typeof(a) for a in arguments)  # type: ignore[no-untyped-call]
+    types = tuple(nb.typeof(a) for a in arguments)
     code: Callable[..., Any] = kernel.compile(types)
     return code
 
@@ -164,16 +222,7 @@ def inline(function: Callable[P, R]) -> Callable[P, R]:
     Not cached by itself: it is part of cached kernels. They take a second version, compiled as part
     of each kernel; the first is compiled if Python calls it.
     """
-    compiled: Any = nb.njit(**_OPTIONS)(function)
-
-    @functools.cache
-    def within() -> Any:
-        return nb.njit(**_WITHIN_KERNELS)(function)
-
-    compiled.get_call_template = lambda *kinds: within().get_call_template(*kinds)
-    compiled.get_overload = lambda signature: within().get_overload(signature)
-    compiled.compile = _undisturbed(compiled.compile)
-    return cast("Callable[P, R]", compiled)
+    return cast("Callable[P, R]", _Inline(function))
 
 
 def inline_or_plain(function: Callable[P, R]) -> Callable[P, R]:
@@ -194,34 +243,7 @@ def always_inline(function: Callable[P, R]) -> Callable[P, R]:
     of inlining; without it kernels compile a quarter faster. So Python cannot call these functions;
     it gets an error.
     """
-    compiled: Any = nb.njit(**ALWAYS_INLINED)(function)
-    compiled.get_call_template = _for_all_numbers(compiled.get_call_template)
-    return _for_kernels_only(compiled, function)
-
-
-def _for_kernels_only(compiled: Any, function: Callable[P, R]) -> Callable[P, R]:
-    def refuse(*_: object) -> None:
-        raise TypeError(f"{function.__name__} is inlined into kernels, Python cannot call it")
-
-    # No machine code is found for a call from Python.
-    compiled._insert, compiled._compile_for_args = lambda *_: None, refuse
-    return cast("Callable[P, R]", compiled)
-
-
-def _for_all_numbers(template: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap what compiles a function for a call: once for an integer, whatever its value.
-
-    For Numba 0 and 1 in the source are of two types, and a function that is called with each would
-    be compiled twice. The value is put in when LLVM inlines the function; where it may not inline
-    it, a version for each value is faster.
-    """
-    of_any_value: Any = types.unliteral
-
-    def template_for_all(arguments: Any, named: Any) -> Any:
-        by_name = {name: of_any_value(kind) for name, kind in named.items()}
-        return template(tuple(map(of_any_value, arguments)), by_name)
-
-    return template_for_all
+    return cast("Callable[P, R]", _AlwaysInlined(function))
 
 
 def apart(function: Callable[P, R]) -> Callable[P, R]:
@@ -231,7 +253,7 @@ def apart(function: Callable[P, R]) -> Callable[P, R]:
     their own, and a kernel with several calls compiles faster. The function begins with
     :func:`shellcut.numerics.processor.not_inlined`. Python cannot call it.
     """
-    return _for_kernels_only(nb.njit(**_WITHIN_KERNELS)(function), function)
+    return cast("Callable[P, R]", _ForKernels(function))
 
 
 def apart_as(name: str) -> Callable[[Callable[P, R]], Callable[P, R]]:

@@ -26,8 +26,7 @@ from shellcut.arrays import Number
 
 from .intrinsics import for_kernels
 from .jit import ALWAYS_INLINED
-from .lane_arithmetic import called
-from .lane_functions import where_above
+from .lane_functions import called, where_above
 from .lane_instructions import (
     I64,
     LANES,

@@ -20,7 +20,6 @@ quads of a block: an integer selects one, as a float; ``None`` selects all eight
 :func:`scatter_add`                    nodal forces, added row by row, so nodes may repeat
 :func:`row_columns`                    read the first six columns of consecutive force rows
 :func:`add_row_columns`                add to the first three
-:func:`clear_rows`                     set the rows to zero
 :func:`zero`, :func:`total`            zero, and the sum over the lanes in order
 :func:`multiply_add`                   a b + c, one instruction if available
 =====================================  ===================================================
@@ -48,7 +47,7 @@ from shellcut.arrays import Floats, Number, SmallIds, Vector
 
 from .intrinsics import for_kernels
 from .jit import always_inline
-from .lane_arithmetic import CONTRACT, called
+from .lane_functions import CONTRACT, called
 from .lane_instructions import (
     CACHE_LINE,
     DOUBLE,
@@ -95,28 +94,6 @@ def _addresses(context: Any, builder: Any, table: Any, lane: Any, values: Any, n
 
 
 @for_kernels
-def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
-    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
-
-    def code(context: Any, builder: Any, values: Any) -> Any:
-        (where,) = _addresses(context, builder, table, lane, values, 1)
-        return builder.load(where, align=8)
-
-    return numbers_of(lane)(table, types.intp, types.intp, lane_of(lane)), code
-
-
-@for_kernels
-def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> Any:
-    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
-
-    def code(context: Any, builder: Any, values: Any) -> None:
-        (where,) = _addresses(context, builder, table, lane, values, 1)
-        builder.store(values[4], where, align=8)
-
-    return types.void(table, types.intp, types.intp, lane_of(lane), numbers_of(lane)), code
-
-
-@for_kernels
 def pick_all(table: Floats, b: int, first: int, n: Any, lane: Lane) -> tuple[Number, ...]:
     """Return n numbers of block ``b`` of a table : (n_block, m, 8), from ``first``; n is fixed."""
     returned = types.UniTuple(numbers_of(lane), n.literal_value)
@@ -143,6 +120,18 @@ def put_all(table: Floats, b: int, first: int, lane: Lane, values: tuple[Number,
 
     taken = types.UniTuple(numbers_of(lane), n)
     return types.void(table, types.intp, types.intp, lane_of(lane), taken), code
+
+
+@always_inline
+def pick(table: Floats, b: int, k: int, lane: Lane) -> Number:
+    """Return number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
+    return pick_all(table, b, k, 1, lane)[0]
+
+
+@always_inline
+def put(table: Floats, b: int, k: int, lane: Lane, value: Number) -> None:
+    """Write number ``k`` of block ``b`` of a table : (n_block, n, 8)."""
+    put_all(table, b, k, lane, (value,))
 
 
 @for_kernels
@@ -304,17 +293,6 @@ def add_row_columns(rows: Floats, n: int, lane: Lane, columns: Vector) -> Any:
 
     taken = types.UniTuple(numbers_of(lane), 3)
     return types.void(rows, types.intp, lane_of(lane), taken), code
-
-
-@for_kernels
-def clear_rows(rows: Floats, n: int, lane: Lane) -> Any:
-    """Set rows : (m, 8) to zero at node ``n``, or at the eight nodes from ``n``."""
-
-    def code(context: Any, builder: Any, given: Any) -> None:
-        for row in _rows_at(context, builder, rows, lane, given):
-            builder.store(ZEROS, row, align=8)
-
-    return types.void(rows, types.intp, lane_of(lane)), code
 
 
 @for_kernels

@@ -1,5 +1,8 @@
 """Signatures of kernels as plain data, for a file that lists which kernels to compile.
 
+With the list a first run compiles them on all cores before it begins, half as long on two; without,
+each in turn on one core when it is called. A release is compiled from it, too.
+
 ==========================  ======================================================================
 ``"float64"``               a number, or ``"none"``
 ``"float64[2F]"``           an array with its dimensions and layout, ``"float64[2C!]"`` if read-only

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import numpy.typing as npt
 
@@ -12,6 +10,7 @@ from shellcut.arrays import Floats
 from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.contact.settings import Contact
 from shellcut.fracture.options import Fracture
+from shellcut.material.material import refuse
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
@@ -25,13 +24,28 @@ def check_parts(
     fracture: Fracture | None,
 ) -> None:
     """Raise ValueError if what a simulation is given is not consistent."""
-    problems = [
-        *_without_partner(tool, motion, law, contact, fracture),
-        *_not_with_path(fracture, tool),
-        *_not_with_edge(law, tool),
-    ]
-    if problems:
-        raise ValueError("; ".join(problems))
+    problems = []
+    if (tool is None) != (motion is None):
+        problems.append("tool and motion go together: give both or none")
+    if law is None and fracture is not None:
+        problems.append("fracture needs a law for the cables: give law=CohesiveLaw() too")
+    if tool is None and contact is not None and not contact.self_contact:
+        problems.append(
+            "contact needs a tool to be in contact with: give tool and motion too, or "
+            "self_contact=True for contact of the film with itself"
+        )
+    if tool is not None and fracture is not None and fracture.anisotropy is not None:
+        problems.append(
+            "fracture.anisotropy is for cracks that no blade drives, got a tool: leave out one of "
+            "them"
+        )
+    is_razor = law is not None and law.cutting_energy is not None and law.severing_pressure is None
+    if is_razor and tool is not None and tool.edge_radius:
+        problems.append(
+            "cutting_energy is the value of a razor: a cutting edge with a radius needs "
+            f"severing_pressure too, got edge_radius = {tool.edge_radius:.4g} mm"
+        )
+    refuse(problems)
 
 
 def check_damping(beta: float | None, share: float | None) -> None:
@@ -39,47 +53,6 @@ def check_damping(beta: float | None, share: float | None) -> None:
     if beta is not None and share is not None:
         raise ValueError(
             f"damping_beta or damping_share must be given, not both: got {beta:g} s and {share:g}"
-        )
-
-
-def _without_partner(
-    tool: Tool | None,
-    motion: Motion | None,
-    law: CohesiveTable | None,
-    contact: Contact | None,
-    fracture: Fracture | None,
-) -> Iterator[str]:
-    """Yield what is given without what it needs."""
-    if (tool is None) != (motion is None):
-        yield "tool and motion go together: give both or none"
-    if law is None and fracture is not None:
-        yield "fracture needs a law for the cables: give law=CohesiveLaw() too"
-    if tool is None and contact is not None and not contact.self_contact:
-        yield (
-            "contact needs a tool to be in contact with: give tool and motion too, or "
-            "self_contact=True for contact of the film with itself"
-        )
-
-
-def _not_with_path(fracture: Fracture | None, tool: Tool | None) -> Iterator[str]:
-    """Yield what does not fit the path of the cracks."""
-    if fracture is None:
-        return
-    if tool is not None and fracture.anisotropy is not None:
-        yield (
-            "fracture.anisotropy is for cracks that no blade drives, got a tool: leave out one of "
-            "them"
-        )
-
-
-def _not_with_edge(law: CohesiveTable | None, tool: Tool | None) -> Iterator[str]:
-    """Yield what does not fit the severing of cables."""
-    if law is None or law.cutting_energy is None or law.severing_pressure is not None:
-        return
-    if tool is not None and tool.edge_radius:
-        yield (
-            "cutting_energy is the value of a razor: a cutting edge with a radius needs "
-            f"severing_pressure too, got edge_radius = {tool.edge_radius:.4g} mm"
         )
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -121,17 +120,18 @@ class StabilityGuard:
         self.most_strain = _EXPLODED * stretching * float(areas.sum())
         """Strain energy at which the film has blown up [N·mm]."""
         area = float(np.median(areas))
-        self._balance = BalanceGuard(stretching, area, tearing)
+        self.balance = BalanceGuard(stretching, area, tearing)
+        """Of the energy, which a checkpoint keeps."""
         self._one_edge = max(stretching * area * _LARGE_STRAIN**2, tearing * math.sqrt(area))
 
     @property
     def scale(self) -> float:
         """Largest energy at the checks so far, or what tears an edge or strains a quad [N·mm]."""
-        return max(self._balance.largest, self._one_edge)
+        return max(self.balance.largest, self._one_edge)
 
     def imbalance(self, book: Ledger) -> float | None:
         """Return what the energy balance misses over the work, None while that is too little."""
-        is_enough = (abs(book.driving) or abs(book.put_in)) >= self._balance.least
+        is_enough = (abs(book.driving) or abs(book.put_in)) >= self.balance.least
         return book.relative(book.imbalance) if is_enough else None
 
     def check_strain(self, state: State, book: Ledger) -> None:
@@ -145,20 +145,12 @@ class StabilityGuard:
         Both are checked every CHECK_EVERY steps.
         """
         if state.step == 1:
-            self._balance.begin(book)
+            self.balance.begin(book)
         if state.step % CHECK_EVERY:
             return
         self._check_area(state)
-        if self._balance.lost(book):
+        if self.balance.lost(book):
             raise self._balance_lost(state, book)
-
-    def saved(self) -> dict[str, Any]:
-        """Return what the guard of the balance keeps."""
-        return self._balance.saved()
-
-    def restore(self, saved: dict[str, Any]) -> None:
-        """Take over :meth:`saved`."""
-        self._balance.restore(saved)
 
     def _check_area(self, s: State) -> None:
         collapsed = self._shell.collapsed_quad(s)
@@ -182,7 +174,7 @@ class StabilityGuard:
             )
         return UnstableStep(
             f"the solution blew up at step {s.step}, t = {s.time:.6g} s, worst in {worst}. "
-            + " ".join([*self._plain_causes(s), *self._shorter_step(s)])
+            + " ".join(self._causes(s))
         )
 
     def _balance_lost(self, s: State, book: Ledger) -> BalanceLost:
@@ -191,20 +183,13 @@ class StabilityGuard:
         )
         return BalanceLost(
             f"the energy balance is lost at step {s.step}, t = {s.time:.6g} s, dt = {s.dt:.4g} s: "
-            f"{self._balance.missing(book):.4g} N·mm are missing, more than "
+            f"{self.balance.missing(book):.4g} N·mm are missing, more than "
             f"{100 * LOST_SHARE:.0f} % of the largest energy so far (now {entries} N·mm); "
             f"{self._worst_quad(s)} is strained most. "
-            + " ".join([*self._plain_causes(s), *self._shorter_step(s)])
+            + " ".join(self._causes(s))
             + " Else check the units (mm, N, s, t, MPa) of film, cables, loads and motion. A state "
             "changed by hand between two steps has no balance either."
         )
-
-    def _shorter_step(self, s: State) -> Iterator[str]:
-        """Yield what may be done about the step, which is not plainly wrong."""
-        stepping, safe = self._time_step.stepping, self._time_step.bound(s)
-        if stepping.fixed is None or stepping.fixed <= safe:
-            key = "safety" if stepping.fixed is None else "fixed"
-            yield f"The step was {s.dt:.4g} s, {safe:.4g} s is safe: lower time.{key}."
 
     def _worst_quad(self, s: State) -> str:
         return self._said(s, s.most_strained_quad())
@@ -213,21 +198,21 @@ class StabilityGuard:
         centre = s.node.X[s.quads[quad]].mean(axis=0)
         return f"quad {quad} at ({centre[0]:.4g}, {centre[1]:.4g}, {centre[2]:.4g}) mm"
 
-    def _plain_causes(self, s: State) -> list[str]:
-        """Return what is plainly wrong."""
-        causes = []
+    def _causes(self, s: State) -> Iterator[str]:
+        """Yield what is plainly wrong, or what may be done about the step."""
         layers, law = self._shell.material.layers, self._law
         young = max(layer.material.stretching_modulus for layer in layers)
         if law is not None and law.strength > young:
-            causes.append(
+            yield (
                 f"The strength of the cables, {law.strength:.4g} MPa, is above Young's modulus of "
                 f"the film, {young:.4g} MPa: is it in Pa?"
             )
-        stepping = self._time_step.stepping
-        safe = self._time_step.bound(s)
-        if stepping.fixed is not None and stepping.fixed > safe:
-            causes.append(
-                f"The step of {stepping.fixed:.4g} s is longer than the safe one, {safe:.4g} s: "
-                "leave out time.fixed."
+        fixed, safe = self._time_step.stepping.fixed, self._time_step.bound(s)
+        if fixed is not None and fixed > safe:
+            yield (
+                f"The step of {fixed:.4g} s is longer than the safe one, {safe:.4g} s: leave out "
+                "time.fixed."
             )
-        return causes
+        else:
+            key = "safety" if fixed is None else "fixed"
+            yield f"The step was {s.dt:.4g} s, {safe:.4g} s is safe: lower time.{key}."

@@ -490,7 +490,7 @@ class Simulation:
             "terms": self.terms.saved(),
             "mass_damping": self._mass_damping,
             "dt": self._dt,
-            "balance": self._guard.saved(),
+            "balance": self._guard.balance.saved(),
             "pace": self.pace.saved(),
         }
         if self.cracks is not None:
@@ -514,7 +514,7 @@ class Simulation:
         self.shell.frequencies.restore(saved["frequencies"])
         self.time_step.restore(saved["time_step"])
         self._mass_damping, self._dt = saved["mass_damping"], saved["dt"]
-        self._guard.restore(saved["balance"])
+        self._guard.balance.restore(saved["balance"])
         self.pace.restore(saved["pace"])
         self.pose = Pose(**saved["pose"]).copied()
         if self.film_motion is not None:

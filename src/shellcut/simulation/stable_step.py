@@ -1,9 +1,19 @@
 """The choice of the step: safe by a bound, and steady.
 
-:class:`.step_bound.StepBound` gives the largest safe step. All quads are evaluated every
-``evaluate_every`` steps, and sooner in a film that is stretched fast; quads at contact and cables
-when these have changed. The step follows the bound down at once, and up with delay: each change of
-dt costs energy (``_GROWTH``).
+:class:`.step_bound.StepBound` gives the largest safe step, and this much of it is used:
+
+    safe = safety · bound.                                                                      (1)
+
+All quads are evaluated every ``evaluate_every`` steps, and sooner in a film that is stretched fast;
+quads at contact and cables when these have changed. The step chosen follows a safe step down at
+once, and up with delay, as each change of dt costs energy:
+
+    dt <- safe    if safe < dt, or safe > 1.08 dt;                                              (2)
+    dt <- least   at the end of an interval of evaluations, if least > 1.01 dt;                 (3)
+
+with the least safe step of all evaluations in the interval. The step taken grows towards it:
+
+    dt_n = min(dt, 1.002 dt_{n-1}).                                                             (4)
 """
 
 from __future__ import annotations
@@ -23,14 +33,13 @@ from shellcut.tool.force_term import ForceTerm
 
 from .step_bound import StepBound
 
-# A longer step is taken as soon as the bound has grown by the first factor, and by the second only
-# if every evaluation of a whole interval allowed it: dt changes seldom, and does not stay short for
-# the rest of a run after one moment in which it had to be.
+# (2) and (3): dt changes seldom, and does not stay short for the rest of a run after one moment in
+# which it had to be.
 _CLEARLY_LONGER, _LONGER_THROUGHOUT = 1.08, 1.01
 
-# Largest factor between two steps: a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of
-# energy for every force f out of balance, and at a cut, where the step may grow, such forces are
-# large. They have died down before a growth by a tenth is complete.
+# (4): a change of the step costs ¼ (dt_n - dt_{n-1}) dt f² / m of energy for every force f out of
+# balance, and at a cut, where the step may grow, such forces are large. They have died down before
+# a growth by a tenth is complete.
 _GROWTH = 1.002
 
 # Steps between two checks whether stretch has used up what safety leaves: often enough for a strip
@@ -70,7 +79,7 @@ class Stepping:
 class StableStep(Kept):
     """Give the length of the next step."""
 
-    kept_names = "_next", "_dt", "_step", "_least"
+    kept_names = "_next", "_dt", "_least"
 
     def __init__(
         self,
@@ -80,41 +89,38 @@ class StableStep(Kept):
     ) -> None:
         self.stepping = stepping or Stepping()
         self._bound = StepBound(shell, terms)
-        self._next = 0  # number of the step at which all quads are evaluated next
-        self._dt = 0.0  # the length chosen [s], and
-        self._step = 0.0  # the length now, which grows towards it
-        self._least = math.inf  # least safe step of all evaluations since that of all quads
+        self.forget()
+
+    def forget(self) -> None:
+        """Evaluate all quads at the next call: the state has been moved from outside."""
+        self._next = 0  # number of the step at which the interval of evaluations ends
+        self._dt = 0.0  # chosen, towards which the step grows [s]
+        self._least = math.inf  # of the safe steps in the interval [s]
 
     def next(self, state: State) -> float:
-        """Return dt of the step after t_n [s]."""
+        """Return dt of the step after t_n [s]; ``state.dt`` is that of the step before."""
         if self.stepping.fixed is not None:
             return self.stepping.fixed
-        step, bound = state.step, self._bound
+        step, bound, safety = state.step, self._bound, self.stepping.safety
         if step >= self._next or (
             step % _STRETCH_EVERY == 0 and bound.is_exceeded_by_stretch(state, self._dt)
         ):
-            self._next = step + self.stepping.evaluate_every
-            self._choose_by_all_quads(self.stepping.safety * bound.of_all(state))
+            safe = safety * bound.of_all(state)  # (1)
+            self._choose(safe, min(safe, self._least))
+            self._next, self._least = step + self.stepping.evaluate_every, safe
         elif bound.is_outdated(state):
-            self._choose(self.stepping.safety * bound.of_changed(state))
-        # Zero before the first step, which has the length chosen.
-        self._step = min(self._dt, _GROWTH * self._step or self._dt)
-        return self._step
+            safe = safety * bound.of_changed(state)
+            self._choose(safe, 0.0)
+            self._least = min(safe, self._least)
+        # The first step has the length chosen.
+        return min(self._dt, _GROWTH * state.dt or self._dt)  # (4)
 
-    def _choose(self, safe: float) -> None:
-        """Take a safe step that is shorter than dt, or much longer."""
+    def _choose(self, safe: float, throughout: float) -> None:
+        """Choose dt; ``throughout`` is the least safe step of an interval that ends, else 0."""
         if not safe >= self._dt or safe > _CLEARLY_LONGER * self._dt:
-            self._dt = safe  # also one that is NaN: the run stops by it
-        self._least = min(safe, self._least)
-
-    def _choose_by_all_quads(self, safe: float) -> None:
-        """Take the safe step of all quads, or a longer one that was safe for a whole interval."""
-        longest = min(safe, self._least)
-        if not safe >= self._dt or safe > _CLEARLY_LONGER * self._dt:
-            self._dt = safe
-        elif longest > _LONGER_THROUGHOUT * self._dt:
-            self._dt = longest
-        self._least = safe
+            self._dt = safe  # (2), also one that is NaN: the run stops by it
+        elif throughout > _LONGER_THROUGHOUT * self._dt:
+            self._dt = throughout  # (3)
 
     def check(self, dt: float) -> None:
         """Refuse a step that is not a finite time above 0, and damping too large for any bound.
@@ -162,11 +168,6 @@ class StableStep(Kept):
     def largest_safe(self, state: State) -> float:
         """Return the safe step without the safety factor [s]; nothing of this is kept."""
         return self._bound.of_all_once(state)
-
-    def forget(self) -> None:
-        """Evaluate all quads at the next call: the state has been moved from outside."""
-        self._next = 0
-        self._dt, self._step, self._least = 0.0, 0.0, math.inf
 
     def saved(self) -> dict[str, Any]:
         """Return the step, when all quads were evaluated last, and what was found."""

@@ -60,7 +60,11 @@ _n_search = attrgetter("n_search")
 
 
 class StepBound(Kept):
-    """Evaluate the bound (2); :attr:`shell` keeps the bounds of its quads."""
+    """Evaluate the bound (2); :attr:`shell` keeps the bounds of its quads.
+
+    An evaluation of some quads needs what it does not evaluate: the stiffness of terms that have
+    not searched since, the bound of the other quads, and which quads have been evaluated.
+    """
 
     kept_names = "_topology", "_free", "_known", "_stretch"
 
@@ -68,16 +72,17 @@ class StepBound(Kept):
         self.shell = shell
         self._terms = tuple(terms)
         self._stiffened_quads, self._safe_steps = BoundOnce(stiffened_quads), BoundOnce(safe_steps)
-        # Of each term: its searches until its stiffness was asked last, and that stiffness.
+        # When the terms were asked last: their searches until then, the film's topology, ...
         self._searched = [0 for _ in self._terms]
+        self._topology = KnownTopology()
+        # ... and their stiffness K_c at nodes.
         nothing = np.zeros(0, np.int64), np.zeros(0)
         self._stiffness: dict[str, NodeStiffness] = {term.name: nothing for term in self._terms}
-        self._topology = KnownTopology()
-        # Of the last evaluation of all quads: their bound without contact and cables [s], ...
+        # When all quads were evaluated last: (2) with omega_c = 0 [s], ...
         self._free = math.inf
-        # ... their omega² and shape, ...
+        # ... and their omega² and shape, from which stretch is measured.
         self._stretch = StretchSince(shell.frequencies.by_stretch)
-        # ... and the quads that have been evaluated exactly since.
+        # Quads whose omega_e² has been evaluated since: that of others is a bound only.
         self._known = np.zeros(shell.frequencies.squared.size, np.bool_)
 
     def of_all(self, state: State) -> float:
@@ -110,11 +115,12 @@ class StepBound(Kept):
         return bound
 
     def is_exceeded_by_stretch(self, state: State, dt: float) -> bool:
-        """Return whether stretch since the last evaluation may have made a step unsafe, by (1).
+        """Return whether stretch since the last evaluation may have made a step unsafe.
 
         The growth is estimated high: the film's true growth is smaller.
         """
         growth, beta = self._stretch.growth(state), self.shell.damping_beta
+        # The left side of (1) over its right side, for the largest eigenvalues grown alike.
         damped = float(self.shell.frequencies.damped.max())
         used_up = 0.25 * growth * (dt * dt * self._stretch.largest + 2.0 * dt * beta * damped)
         return used_up > 1.0 and growth > _LEAST_GROWTH
@@ -183,6 +189,7 @@ class StepBound(Kept):
         steps = np.empty(quads.size)
         while True:
             of_known, of_others = self._steps(quads, omega_c2, steps)
+            # The bound of a quad that is not evaluated yet may be too short by much.
             tight = _TIGHT * of_known
             if not of_others < tight:
                 return float(np.minimum(of_others, of_known))  # NaN if one of them is

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.numerics.jit import kernel
+from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
 from .film import State
 
@@ -69,34 +69,9 @@ class Pieces:
         return found
 
 
-@kernel
 def _piece_of_rows(quads: Ints, n_node: int) -> Ints:
     """Return the piece of every row of quads : (n_quad, 4), numbered by first appearance."""
-    first = np.full(n_node, -1, np.int64)  # row that a node was met by first
-    leader = np.arange(quads.shape[0])
-    for row in range(quads.shape[0]):
-        for a in range(4):
-            node = quads[row, a]
-            if first[node] < 0:
-                first[node] = row
-            # Two rows at a node belong together: the smaller of their leaders leads both.
-            own, other = row, first[node]
-            while leader[own] != own:
-                leader[own] = leader[leader[own]]
-                own = leader[own]
-            while leader[other] != other:
-                leader[other] = leader[leader[other]]
-                other = leader[other]
-            leader[max(own, other)] = min(own, other)
-    count = 0
-    piece = np.empty(quads.shape[0], np.int64)
-    for row in range(quads.shape[0]):
-        if leader[row] == row:
-            piece[row] = count
-            count += 1
-        else:
-            root = row
-            while leader[root] != root:
-                root = leader[root]
-            piece[row] = piece[root]
-    return piece
+    n = len(quads)
+    # Rows and nodes are linked alike, a row with its four nodes.
+    part = connected_parts(np.repeat(np.arange(n), 4), n + quads.ravel(), n + n_node)
+    return by_first_appearance(part[:n])
