@@ -12,11 +12,13 @@ the search over all nodes is rare. The list never changes a result: its users ch
 from __future__ import annotations
 
 from math import sqrt
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import in_box
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.kept import Kept
 from shellcut.numerics.vec3 import dot, load, sub
@@ -131,18 +133,33 @@ class NearNodes(Kept):
         return np.flatnonzero(listed)
 
 
-@inline
-def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:
-    """Return whether a point lies inside box b of low, high : (n_box, 3)."""
-    # Branch-free: branches here would be mispredicted.
-    return bool(
-        (low[b, 0] < p[0])
-        & (p[0] < high[b, 0])
-        & (low[b, 1] < p[1])
-        & (p[1] < high[b, 1])
-        & (low[b, 2] < p[2])
-        & (p[2] < high[b, 2])
-    )
+class Clock(NamedTuple):
+    """How far points and film, or tool and film, may have approached each other.
+
+    An evaluation of a point tells how far both may move before it can touch. Until the clock has
+    advanced by that distance the point waits.
+    """
+
+    node: Annotated[Ints, "(n_moving,)"]
+    """Nodes whose largest speed counts."""
+    walked: Annotated[Floats, "(1,)"]
+    """Distance moved by both together since the list was made [mm]."""
+    radius: float
+    """Of the tool's farthest point, around the body's origin [mm]."""
+
+
+@always_inline
+def advance(
+    clock: Clock, with_tool: bool, velocity: Floats, dt: float, pose: Pose, before: Pose
+) -> float:
+    """Advance a clock by the last step; return by how much [mm].
+
+    with_tool : whether the tool moves against the film; else film moves against film.
+    """
+    step = dt * _largest_speed(clock.node, velocity)
+    step += tool_motion_bound(pose, before, clock.radius) if with_tool else step
+    clock.walked[0] += step
+    return step
 
 
 @inline
@@ -159,7 +176,7 @@ def tool_motion_bound(pose: Pose, then: Pose, radius: float) -> float:
 
 
 @always_inline
-def largest_speed(ids: Ints, velocity: Floats) -> float:
+def _largest_speed(ids: Ints, velocity: Floats) -> float:
     """Return the largest speed of some nodes [mm/s]."""
     fastest = 0.0
     for i in range(ids.shape[0]):

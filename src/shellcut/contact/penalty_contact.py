@@ -44,7 +44,7 @@ from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
 from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import load
-from shellcut.state import State
+from shellcut.state import KernelNodes, State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.pose import Pose, to_body
@@ -53,8 +53,6 @@ from shellcut.tool.signed_distance import GridCells, at_least
 from shellcut.tool.tool import Tool
 
 from .contact_tables import (
-    Clock,
-    ContactNodes,
     ContactPoints,
     ContactTables,
     ContactTool,
@@ -62,7 +60,7 @@ from .contact_tables import (
     Memory,
 )
 from .film_outline import FilmBorderSegments, Part
-from .near_nodes import NearNodes
+from .near_nodes import Clock, NearNodes
 from .press_kernel import add_press_forces
 from .press_term import PressTerm
 from .settings import Contact, PenaltyLaw
@@ -218,18 +216,18 @@ class PenaltyContact(PressTerm):
         else:
             edges = self.film_edges.of(state)
             self.carriers.stiffness[:] = edges.left[near]
-            moving = edges.with_ends_at(near)
+            # The other ends of the segments that end at these nodes move with them.
+            moving = np.union1d(near, edges.node[edges.near(near)])
         self.clock = Clock(moving, np.zeros(1), self._radius)
         tables = ContactTables(
             on_border=False,
-            rounding=self.law.rounding,
             tool=self.solid,
             law=self.law,
             clock=self.clock,
             queries=self._looks,
             contact_points=self.carriers,
             memory=Memory.of_nodes(state, near),
-            nodes=ContactNodes.of(state),
+            nodes=KernelNodes.of(state.node),
             around=state.quads_at_nodes(),
         )
         self.tables = self._address_of(tables)

@@ -46,22 +46,22 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.kept import take_over
 from shellcut.numerics.table_address import TableWriter
-from shellcut.state import KnownTopology, State, local_edge_length
+from shellcut.state import KernelNodes, KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import Booking
 
 from .contact_tables import (
-    ContactNodes,
     ContactPoints,
     Memory,
     Presses,
     SheetTables,
     ToolPoints,
     Waits,
+    carry_over,
 )
 from .film_outline import FilmOutline, Part
-from .near_nodes import ListAge
+from .near_nodes import Clock, ListAge
 from .pair_search import Pairs, PairSearch, Points
 from .penalty_contact import PenaltyContact
 from .press_term import DEEPEST, STORED, WORK, PressTerm
@@ -107,7 +107,6 @@ class SheetContact(PressTerm):
         "_age",
         "_met",
         "_tracked",
-        "_walked",
         "deepest",
         "n_looked",
         "n_search",
@@ -126,16 +125,16 @@ class SheetContact(PressTerm):
         super().__init__(name, n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
         self._of_tool = n_tooth > 0
-        self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
+        radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
+        self._clock = Clock(nothing, np.zeros(1), radius)
         self._pairs, self._memory = Pairs.none(), Memory.blank(0)
         self._sheet_of_pair: Ints = nothing
         self._point_of_sheet: Ints = nothing
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
-        self._age = ListAge(0.5 * margin, self._radius if self._of_tool else None)
+        self._age = ListAge(0.5 * margin, radius if self._of_tool else None)
         self._pose: Pose | None = None
-        self._walked = 0.0
         self._find, self._address_of = PairSearch(), TableWriter()
         self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
         self.tables: SheetTables | None = None
@@ -152,10 +151,8 @@ class SheetContact(PressTerm):
         before, self._pose = self._pose or pose, pose
         if self._age.is_over(state, pose, self._tracked):
             self._search(state, pose)
-        found = self._call.code(pose, before, state.dt, self._walked, self.address, self._touch)
-        self._walked, n_looked = found
+        self.n_looked += self._call.code(pose, before, state.dt, self.address, self._touch)
         self.deepest = max(self.deepest, float(self.touch.sums[DEEPEST]))
-        self.n_looked += n_looked
 
     def point_of_sheet(self) -> Ints:
         """Return the point of every contact point."""
@@ -186,18 +183,14 @@ class SheetContact(PressTerm):
         self._pairs = self._find.find(points, rows, reach, state)
         n_sheet, n_point = self._pairs.n_sheet, len(self._pairs.point)
         self.kept = self._same_sheets(was, state)
-        to = np.flatnonzero(self.kept >= 0)
-        of = self.kept[to]
         self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
         self.carriers = ContactPoints.of(np.zeros((n_sheet, 4), np.int64))
         now = *self._memory[1:], *self.carriers, self._met
-        kept: Any = zip(now, (*had[1:], *had_points, met), strict=True)
-        for new, old in kept if to.size else ():
-            new[to] = old[of]
+        carry_over(now, (*had[1:], *had_points, met), self.kept)
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
         self._presses = Presses.with_room(n_sheet, self._presses)
         self._age.begin(state, pose)
-        self._walked = 0.0
+        self._clock.walked[0] = 0.0
         self.n_search += 1
         self._lay_out(state)
 
@@ -245,9 +238,9 @@ class SheetContact(PressTerm):
         near[f.node[: f.count]] = listed[f.row[: f.count]]
         if not self._of_tool:
             near[pairs.point] = True
+        self._clock = self._clock._replace(node=np.flatnonzero(near))
         self.tables = SheetTables(
             of_tool=self._of_tool,
-            radius=self._radius,
             law=self.law,
             points=self.points,
             pairs=pairs,
@@ -255,10 +248,10 @@ class SheetContact(PressTerm):
             memory=self._memory,
             met=self._met,
             waits=self._waits,
-            moving=np.flatnonzero(near),
+            clock=self._clock,
             outline=self._outline.of(state),
             quads=quads,
-            nodes=ContactNodes.of(state),
+            nodes=KernelNodes.of(state.node),
             contact_points=self.carriers,
             presses=self._presses,
         )
@@ -278,13 +271,14 @@ class SheetContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return pairs, memory and the last forces."""
-        return super().saved() | {"presses": self._presses.saved()}
+        return super().saved() | {"presses": self._presses.saved(), "walked": self._clock.walked}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         take_over(self, self.kept_names, saved)
         self._pose = pose
         self._presses = Presses.with_room(self._pairs.n_sheet, Presses(**saved["presses"]))
+        self._clock.walked[:] = saved["walked"]
         self._lay_out(state)
 
 

@@ -163,7 +163,9 @@ class CrackPath:
             node = ring[end.corner]
             tip = Tip((node, node), 0.0, quad, heading)
         else:
-            tip = Tip(*end.on_side_of(ring), quad, heading)
+            a, b, s = ring[end.side], ring[(end.side + 1) % 4], along_side(end.side, end.exit)
+            ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
+            tip = Tip(ends, s, quad, heading)
         return tip if self.film.rows_ahead(tip) else None
 
     def tip_across(self, state: State, end: Segment, heading: Floats) -> Tip | None:
@@ -173,7 +175,7 @@ class CrackPath:
 
         heading : (3,), direction of the segment in the reference film.
         """
-        along = self.film.direction_of(state, end)
+        along = unit(product(end.weights, state.node.x[state.quads[end.row]]))
         touching = self.film.rows_at(self.film.topology.parent(end.row), end.exit)
         ahead = next((at for at in touching if self.segment(state, *at, along) is not None), None)
         if ahead is None:

@@ -117,8 +117,6 @@ class Cracks:
         puncture = Puncture.of(shell.material, law)
         self.bending_length = puncture.length
         """Length over which the film bends where its tension is the strength [mm]."""
-        self._watch: TipWatch
-        self._pierce: Pierce
         has_edge = tool is not None and tool.n_edge > 0 and motion is not None
         self._blade_cuts = has_edge and fracture.blade_cut
         """Whether cutting edges drive cracks and begin cuts; if not, all cracks are tears."""

@@ -15,13 +15,15 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
-from shellcut.contact.near_nodes import NearNodes, in_box
+from shellcut.contact.near_nodes import NearNodes
+from shellcut.contact.unfelt_depth import crossing
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import in_box
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kept import Kept
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
+from shellcut.numerics.vec3 import add, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
@@ -164,20 +166,6 @@ class EnteredFilm(Kept):
 
 
 @inline
-def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
-    """Return whether a segment crosses a triangle, and the weights of b and c there."""
-    normal, vector = cross(sub(b, a), sub(c, a)), sub(end, start)
-    d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
-    area, rise = dot(normal, normal), d0 - d1
-    if d0 * d1 >= 0.0 or rise * rise < _FLAT * _FLAT * area * dot(vector, vector):
-        return False, 0.0, 0.0
-    p = combine(1.0, start, d0 / rise, vector)
-    w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
-    w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
-    return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
-
-
-@inline
 def parts_quad(
     quad: RowsAhead,
     chord: Aimed,
@@ -283,12 +271,12 @@ def _entered(
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))
                 # The quad as two triangles, whose weights give its xi and eta.
-                hit, w1, w2 = _weights(start, end, corner, second, third)
+                _, sine, w1, w2 = crossing(start, end, corner, second, third)
                 xi, eta = 2.0 * (w1 + w2) - 1.0, 2.0 * w2 - 1.0
-                if not hit:
-                    hit, w1, w2 = _weights(start, end, corner, third, fourth)
+                if sine < _FLAT or min(w1, w2, 1.0 - w1 - w2) < 0.0:
+                    _, sine, w1, w2 = crossing(start, end, corner, third, fourth)
                     xi, eta = 2.0 * w1 - 1.0, 2.0 * (w1 + w2) - 1.0
-                if not hit:
+                if sine < _FLAT or min(w1, w2, 1.0 - w1 - w2) < 0.0:
                     continue
                 xi, eta = _off_sides(xi), _off_sides(eta)
                 plane = turn(segment_part(segments, k, NORMAL), pose)

@@ -23,7 +23,7 @@ from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import add_scaled, load, store
+from shellcut.numerics.vec3 import mean_of, store
 from shellcut.state import KnownTopology, State
 
 from .quad_polygon import UNUSED, Point
@@ -225,13 +225,8 @@ def _interpolate(tied: _Tied, x: Floats, velocity: Floats) -> None:
     """Write x and velocity : (n_node, 3) of all flank points from those of their nodes."""
     tied = borrowed(tied)
     for k in range(tied.n):
-        place, moves = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for a in range(4):
-            weight, node = tied.weight[k, a], tied.nodes[k, a]
-            place = add_scaled(place, weight, load(x, node))
-            moves = add_scaled(moves, weight, load(velocity, node))
-        store(x, tied.node[k], place)
-        store(velocity, tied.node[k], moves)
+        store(x, tied.node[k], mean_of(x, tied.nodes, tied.weight, k))
+        store(velocity, tied.node[k], mean_of(velocity, tied.nodes, tied.weight, k))
 
 
 @kernel

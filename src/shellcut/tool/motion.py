@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
 from typing import Annotated, Protocol, TypeAlias, runtime_checkable
 
@@ -159,17 +158,7 @@ class ScrewMotion:
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
-        if time >= self.ramp and self._point == _ORIGIN:
-            spin, velocity = self._steady
-            return spin.copy(), velocity.copy()
-        return self._twist_at(_ramped_speed(time, self.angular_speed, self.ramp), time)
-
-    @cached_property
-    def _steady(self) -> tuple[Floats, Floats]:
-        """The twist after the ramp about an axis through the origin."""
-        return self._twist_at(self.angular_speed, self.ramp)
-
-    def _twist_at(self, rate: float, time: float) -> tuple[Floats, Floats]:
+        rate = _ramped_speed(time, self.angular_speed, self.ramp)
         a0, a1, a2 = self._axis
         v0, v1, v2 = self._lead
         if self._point != _ORIGIN:
