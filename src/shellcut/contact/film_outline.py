@@ -95,13 +95,14 @@ class FilmOutline:
         if more > 0:
             self._at_border = np.append(self._at_border, np.zeros(more, np.bool_))
         cut = changed[q.share[changed] < 1.0]
-        for row in cut.tolist() if self._part_of is not None else ():
-            points, sides = self._part_of(row)
-            n_point = len(points)
-            self._make_room(0, n_point)
-            self._outline.n_edge[row] = n_point
-            self._outline.point[row, :n_point] = points
-            self._outline.side[row, :n_point] = sides
+        if self._part_of is not None:
+            for row in cut.tolist():
+                points, sides = self._part_of(row)
+                n_point = len(points)
+                self._make_room(0, n_point)
+                self._outline.n_edge[row] = n_point
+                self._outline.point[row, :n_point] = points
+                self._outline.side[row, :n_point] = sides
         outline = self._outline
         outline.absent[:count] = q.share[:count] < SLIVER
         self._mark(

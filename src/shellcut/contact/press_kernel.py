@@ -143,19 +143,6 @@ def _pushed(i: int, direction: Vec3, tables: ContactTables) -> tuple[float, floa
 
 
 @always_inline
-def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench: Floats) -> None:
-    """Add a force f [N] on a contact point to its nodes and minus it to its tooth."""
-    points, force = tables.contact_points, tables.nodes.force
-    store(tables.memory.force, tables.memory.row[i], f)
-    if not tables.on_border:
-        add_to(force, points.node[i, 0], f)
-    else:
-        for c in range(2):
-            add_to(force, points.node[i, c], scale(points.weight[i, c], f))
-    react(f, x, points.tooth[i], pose, wrench)
-
-
-@always_inline
 def _pressure(
     i: int,
     x: Vec3,
@@ -257,6 +244,12 @@ def add_press_forces(
         work += 0.5 * dt * dot(add(old, f), moved)
         store(points.normal, i, outward)
         points.tooth[i], points.pressure[i] = tool.triangle_tooth[triangle], magnitude
-        _put_on(i, x, f, pose, tables, wrench)
+        store(memory.force, row, f)
+        if not on_border:
+            add_to(tables.nodes.force, points.node[i, 0], f)
+        else:
+            for c in range(2):
+                add_to(tables.nodes.force, points.node[i, c], scale(points.weight[i, c], f))
+        react(f, x, points.tooth[i], pose, wrench)
     sums[0], sums[1], sums[2], sums[3] = work, stored, n_touching, deepest
     return deepest

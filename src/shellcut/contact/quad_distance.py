@@ -38,7 +38,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-from shellcut.arrays import Floats, SmallIds, Vec3
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.boxes import box_around
@@ -95,7 +95,7 @@ class Closest(NamedTuple):
 
 
 @always_inline
-def corners_of(x: Floats, quads: SmallIds, row: int) -> Corners:
+def corners_of(x: Floats, quads: Ints, row: int) -> Corners:
     """Return the positions of the nodes of a row."""
     return Corners(
         load(x, quads[row, 0]),

@@ -11,11 +11,10 @@ from shellcut.arrays import Floats, product, unit
 from shellcut.state import State
 from shellcut.tool.cutting_edge import BACK, VECTOR
 
-from .begun_cut import Begun
 from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .quad_polygon import WHOLE, Point, corner_at, onto_boundary, side_at
-from .tip import Segment, Tip
+from .tip import Begun, Segment, Tip
 
 # Of the parametric square: a ray from there leaves a quad by two sides.
 _INNER = 0.75

@@ -44,8 +44,7 @@ from .free_direction import FreeDirection
 from .growth import Growth
 from .options import Fracture
 from .pierce import Pierce
-from .pierce_limits import PierceLimits
-from .puncture import Puncture
+from .puncture import PierceLimits, Puncture
 from .quad_polygon import corner_at
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import LargestStress, SideTears

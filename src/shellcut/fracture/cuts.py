@@ -117,8 +117,13 @@ class Cuts:
         )
         state.revision += 1
         renew_nodes(state, shell, topology, corners)
-        if segment.along_side:
-            self._name_halves(state, rows, chords)
+        minus, plus = (
+            nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
+        )
+        # Which node has parted at the start of a side that has been broken.
+        if segment.along_side and minus != plus and corner_at(chords[0][0]) >= 0:
+            node, duplicate = sorted(minus | plus)
+            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=duplicate)
         if kind != NOTCH:
             self._cables.lay(state, rows, chords, length)
             state.crack_length += length
@@ -127,17 +132,6 @@ class Cuts:
     def renew(self, state: State) -> None:
         """Bring cables and flank points to the nodes that the last cuts have made."""
         self._cables.renew(state, self._shell.area)
-
-    def _name_halves(
-        self, state: State, rows: list[int], chords: list[tuple[Point, Point]]
-    ) -> None:
-        """Write down which node has parted at the start of a side that has been broken."""
-        minus, plus = (
-            nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
-        )
-        if minus != plus and corner_at(chords[0][0]) >= 0:
-            node, duplicate = sorted(minus | plus)
-            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=duplicate)
 
     def hand_over(
         self, state: State, cut: Cut, forces: Sequence[Floats], first: int, *, exactly: bool

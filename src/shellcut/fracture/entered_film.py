@@ -29,13 +29,12 @@ from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .begun_cut import Begun
 from .cut_film import CutFilm
 from .open_edges import boundary_edges
 from .quad_polygon import AWAY
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
-from .tip import Segment
+from .tip import Begun, Segment
 
 NEAR_A_TIP = 2.0
 """A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives
@@ -94,7 +93,8 @@ class EnteredFilm(Kept):
         n_most = len(ends) * _CANDIDATES
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
         self._place = np.zeros((n_most, 2))
-        self._rows = self._first = np.zeros(0, np.int64)
+        self._first: Ints = np.zeros(0, np.int64)
+        self._rows = self._first
         self._listed = -1  # search whose nodes the rows are of
         self._near = NearNodes(self._low, self._high, size)
         self._addresses = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
@@ -107,7 +107,9 @@ class EnteredFilm(Kept):
         """
         self._near.renew(state, pose)
         if self._listed != self._near.n_search:
-            self._list(state)
+            self._listed = self._near.n_search
+            self._rows = self._rows_near(state)
+            self._first = state.quads[self._rows, 0].astype(np.int64)
         row, segment, place = self._row, self._segment, self._place
         edges, quad, chord = self._addresses
         n_found = self._find(
@@ -147,22 +149,19 @@ class EnteredFilm(Kept):
         super().restore(saved)
         self._listed = -1
 
-    def _list(self, state: State) -> None:
-        """List the whole rows near the tool without a node at a flank, by their first nodes.
+    def _rows_near(self, state: State) -> Ints:
+        """Return the whole rows near the tool without a node at a flank.
 
         Those at the border and next to rows at a flank; all of them if the tool's points do not
         press.
         """
-        self._listed = self._near.n_search
         quads, near = state.quads, np.zeros(state.n_node, np.bool_)
         near[self._near.ids] = True
         at_flank = state.node.halved[quads].any(axis=1)
         may = near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0) & ~at_flank
         self._open = np.full(state.n_node, self._everywhere)
         self._open[self._at_border] = self._open[quads[at_flank]] = True
-        may &= self._open[quads].any(axis=1)
-        self._rows = np.flatnonzero(may)
-        self._first = quads[self._rows, 0].astype(np.int64)
+        return np.flatnonzero(may & self._open[quads].any(axis=1))
 
 
 @inline

@@ -28,11 +28,11 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .begun_cut import Begun, Pierced
 from .cut_film import CutFilm
 from .entered_film import NEAR_A_TIP
-from .pierce_limits import PierceLimits, PlaceLimits
 from .pressing_tips import PressingTips
+from .puncture import PierceLimits, PlaceLimits
+from .tip import Begun, Pierced
 
 # Cosine of the angle between forces that press the film in the same direction.
 _SAME_DIRECTION = 0.5

@@ -1,4 +1,4 @@
-"""Crack tips and the segments between them, and how a checkpoint keeps tips."""
+"""Crack tips, the segments between them, where cuts begin, and how a checkpoint keeps tips."""
 
 from __future__ import annotations
 
@@ -135,3 +135,27 @@ class Place(NamedTuple):
     """Local edge length [mm]."""
     T: Floats
     """Unit director in the reference film, shape (3,)."""
+
+
+class Pierced(NamedTuple):
+    """How a tool pierces the face of whole film."""
+
+    measure: float
+    """Force or stress over that which the film carries."""
+    force: float
+    """On the cutting edge [N]."""
+    delay: float
+    """Of the mean force on a tip, see :mod:`.pressing_tips`."""
+    depth: float
+    """By which the film has been pushed out of its reference shape there [mm]."""
+
+
+class Begun(NamedTuple):
+    """A place where an edge cuts whole film."""
+
+    row: int
+    place: Point
+    segment: int
+    """Of the cutting edge."""
+    pierced: Pierced | None = None
+    """None where nothing supports the film against the edge."""

@@ -135,7 +135,9 @@ def _foot(
         planes = surface.planes
         n = planes[t, 0, 0], planes[t, 0, 1], planes[t, 0, 2]
         return combine(1.0, p, -height, n), 0
-    return closest_on_triangle(p, *_corners(surface.corners, t))
+    x = surface.corners
+    a, b = (x[t, 0, 0], x[t, 0, 1], x[t, 0, 2]), (x[t, 1, 0], x[t, 1, 1], x[t, 1, 2])
+    return closest_on_triangle(p, a, b, (x[t, 2, 0], x[t, 2, 1], x[t, 2, 2]))
 
 
 @inline
@@ -258,15 +260,6 @@ def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool,
     if found and side * grid.surface.flank[whole] < 0:
         found, triangle, _, nearest = closest_of_side(p, side, grid)
     return found, inside, triangle, nearest, whole
-
-
-@inline
-def _corners(corners: Floats, t: int) -> tuple[Vec3, Vec3, Vec3]:
-    return (
-        (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
-        (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
-        (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
-    )
 
 
 @kernel
