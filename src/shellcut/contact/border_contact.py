@@ -37,7 +37,6 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
-from shellcut.numerics.table_address import TableWriter
 from shellcut.state import KernelNodes, State
 from shellcut.tool.pose import Pose
 
@@ -85,18 +84,13 @@ class BorderContact(PressTerm):
         assert contact.film_edges is not None
         self._contact, self._border = contact, contact.film_edges
         nothing = np.zeros(0, np.int64)
-        super().__init__(
-            "edges", contact.tool.n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing
-        )
+        super().__init__("edges", contact.tool.n_tooth, nothing)
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)
         self._rounding = max(contact.law.rounding, thin, self._spacing / SPACING)
         self._key, self._near = nothing, nothing
         self._looks, self._memory = DistanceQueries.none_yet(0), Memory.blank(0)
         self._of_contact: ContactTables | None = None
-        self._pose: Pose | None = None
-        self.tables: ContactTables | None = None
-        self._address_of = TableWriter()
         self._call, self._list = BoundOnce(add_press_forces), BoundOnce(_places_on)
 
     def add_forces(self, state: State, pose: Pose) -> None:

@@ -191,8 +191,8 @@ def _pressure(
 @kernel
 def add_press_forces(
     pose: Pose, before: Pose, dt: float, tables: ContactTables, touch: Touch
-) -> float:
-    """Add the forces of the listed contact points to their nodes; return the largest depth [mm].
+) -> None:
+    """Add the forces of the listed contact points to their nodes.
 
     Writes the queries, the memory, and touch, see :class:`.press_term.PressForces`.
     """
@@ -252,4 +252,3 @@ def add_press_forces(
                 add_to(tables.nodes.force, points.node[i, c], scale(points.weight[i, c], f))
         react(f, x, points.tooth[i], pose, wrench)
     sums[0], sums[1], sums[2], sums[3] = work, stored, n_touching, deepest
-    return deepest

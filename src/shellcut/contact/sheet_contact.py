@@ -45,7 +45,6 @@ from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.kept import take_over
-from shellcut.numerics.table_address import TableWriter
 from shellcut.state import KernelNodes, KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
 from shellcut.tool.pose import Pose
@@ -122,7 +121,7 @@ class SheetContact(PressTerm):
         outline: FilmOutline,
     ) -> None:
         nothing = np.zeros(0, np.int64)
-        super().__init__(name, n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing)
+        super().__init__(name, n_tooth, nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
         self._of_tool = n_tooth > 0
         radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
@@ -134,13 +133,10 @@ class SheetContact(PressTerm):
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
         self._age = ListAge(0.5 * margin, radius if self._of_tool else None)
-        self._pose: Pose | None = None
-        self._find, self._address_of = PairSearch(), TableWriter()
+        self._find = PairSearch()
         self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
-        self.tables: SheetTables | None = None
-        """Arguments of the kernel, anew with each search."""
         self.address: Any = None
-        """Their address."""
+        """That of the tables, for the kernels."""
         self.deepest = 0.0
         """Largest depth so far [mm]."""
         self.n_looked = 0
