@@ -63,7 +63,7 @@ from shellcut.numerics.vec3 import (
     store,
     sub,
 )
-from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KernelNodes, KnownTopology, State
+from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KernelNodes, OncePerTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
@@ -146,9 +146,8 @@ class CableSet(ForceTerm):
         self._grip = math.tanh(0.5 * belt)
         if belt and self._edges.radius:
             self._grip += 0.5 * belt / -math.expm1(-0.5 * belt) - 1.0
-        self._known = KnownTopology()
         self._pose: Pose | None = None
-        self._tables: CableTables | None = None
+        self._tables = OncePerTopology(self._laid_out)
         self._address_of = TableWriter()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
@@ -184,18 +183,15 @@ class CableSet(ForceTerm):
         if state.n_cable == 0:
             self._pose = pose
             return
-        tables = self._tables_of(state)
+        tables = self._tables.of(state)
         before, self._pose = self._pose or pose, pose
         n_made, n_broken = self._call.code(pose, before, state.dt, state.time, tables, self._touch)
         self.n_joint_made += n_made
         self.n_broken += n_broken
 
-    def _tables_of(self, state: State) -> CableTables:
-        """Return the arguments of the kernels, laid out anew after a split."""
-        if self._tables is not None and self._known.is_of(state):
-            return self._tables
+    def _laid_out(self, state: State) -> CableTables:
+        """Return the arguments of the kernels."""
         c = state.cable
-        self._known.take(state)
         tables = CableTables(
             n_cable=c.count,
             directional=self.directional,
@@ -206,8 +202,7 @@ class CableSet(ForceTerm):
             nodes=KernelNodes.of(state.node),
             cables=CableRows(**{name: getattr(c, name) for name in CableRows._fields}),
         )
-        self._tables = self._address_of(tables)
-        return self._tables
+        return self._address_of(tables)
 
     def energies(self, state: State) -> tuple[float, float]:
         """Return stored and dissipated energy of all cables by their laws [N·mm].
@@ -216,7 +211,7 @@ class CableSet(ForceTerm):
         """
         c, n = state.cable, state.cable.count
         stored, dissipated, area = np.empty(n), np.empty(n), c.area[:n]
-        self._energies_of(self._tables_of(state), stored, dissipated)
+        self._energies_of(self._tables.of(state), stored, dissipated)
         return float(product(stored, area)), float(product(dissipated, area))
 
     def stored(self, state: State) -> dict[str, float]:
@@ -237,7 +232,7 @@ class CableSet(ForceTerm):
         """Return the nodes that cables act on and a bound of their stiffness on each [N/mm]."""
         room = 4 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._stiffness(self._tables_of(state), self._grip, node, stiffness)
+        count = self._stiffness(self._tables.of(state), self._grip, node, stiffness)
         return node[:count], stiffness[:count]
 
 

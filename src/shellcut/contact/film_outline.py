@@ -29,7 +29,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallIds, norm
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.state import KnownTopology, State
+from shellcut.state import KnownTopology, OncePerTopology, State
 
 from .settings import PenaltyLaw
 
@@ -219,7 +219,7 @@ class BorderSegments(NamedTuple):
         return np.flatnonzero(at[self.node].any(axis=1))
 
 
-class FilmBorderSegments:
+class FilmBorderSegments(OncePerTopology[BorderSegments]):
     """Keeps the border segments of a film up to date from cut to cut.
 
     Parameters
@@ -230,15 +230,8 @@ class FilmBorderSegments:
     """
 
     def __init__(self, law: PenaltyLaw, part_of: Callable[[int], Part]) -> None:
-        self._law, self._outline, self._known = law, FilmOutline(part_of), KnownTopology()
-        self._segments: BorderSegments | None = None
-
-    def of(self, state: State) -> BorderSegments:
-        """Return the border segments of the film as it is now."""
-        if self._segments is None or not self._known.is_of(state):
-            self._segments = border_segments(state, self._outline.of(state), self._law)
-            self._known.take(state)
-        return self._segments
+        outline = FilmOutline(part_of)
+        super().__init__(lambda state: border_segments(state, outline.of(state), law))
 
 
 def border_segments(state: State, outline: Outline, law: PenaltyLaw) -> BorderSegments:

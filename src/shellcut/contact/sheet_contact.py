@@ -127,8 +127,6 @@ class SheetContact(PressTerm):
         radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
         self._clock = Clock(nothing, np.zeros(1), radius)
         self._pairs, self._memory = Pairs.none(), Memory.blank(0)
-        self._sheet_of_pair: Ints = nothing
-        self._point_of_sheet: Ints = nothing
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
@@ -152,7 +150,7 @@ class SheetContact(PressTerm):
 
     def point_of_sheet(self) -> Ints:
         """Return the point of every contact point."""
-        return self._point_of_sheet
+        return self._pairs.point_of_sheet
 
     def knows_side(self) -> Bools:
         """Return of every contact point whether its point has a known side of the sheet."""
@@ -198,13 +196,13 @@ class SheetContact(PressTerm):
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
         # There is nothing to remember of most sheets: their points have not come close, or got a
         # side.
-        of_old, of_new = self._sheet_of_pair, new.sheet_of_pair
+        of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
         known = self._memory.side != 0 if self._of_tool else self._met
         met = np.flatnonzero(known[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
-        key = self._point_of_sheet[of_old] * n_row + old.row[met]
+        key = old.point_of_sheet[of_old] * n_row + old.row[met]
         point = new.point_of_sheet[of_new]
         fresh = [] if self._of_tool else np.setdiff1d(new.point, old.point).tolist()
         for node in fresh:
@@ -225,7 +223,6 @@ class SheetContact(PressTerm):
     def _lay_out(self, state: State) -> None:
         """Build the kernels' tables, good until the next search."""
         f, pairs, quads = state.flank, self._pairs, state.quad.nodes
-        self._sheet_of_pair, self._point_of_sheet = pairs.sheet_of_pair, pairs.point_of_sheet
         # Film moves as the ends of its flanks and its nodes do, not as virtual nodes swing.
         listed, near = np.zeros(len(quads), np.bool_), np.zeros(len(state.node.x), np.bool_)
         listed[pairs.row] = True
@@ -320,10 +317,10 @@ class PointContact(SheetContact):
         if self.tables is None or self._pose is None:
             return np.zeros(0, np.int64), np.zeros(0)
         nodes, pairs = self.tables.nodes, self._pairs
-        sheet, depth = self._sheet_of_pair, self._memory.depth
+        sheet, depth = pairs.sheet_of_pair, self._memory.depth
         within = self._margin + float(depth.max(initial=0.0))
         soon = self._places(within)[:, 0] <= self._margin + depth[sheet]
-        points = self._point_of_sheet[sheet[soon], None]
+        points = pairs.point_of_pair[soon, None]
         key = points * len(nodes.x) + self.tables.quads[pairs.row[soon]]
         point, node = np.divmod(np.unique(key), len(nodes.x))
         p, area = self._pose.to_space(self.points.place)[point], nodes.contact_area[node]
@@ -342,8 +339,8 @@ class PointContact(SheetContact):
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
-        point = self._point_of_sheet[self._sheet_of_pair]
-        return self.points.share[point] * self.nodes.law.of_nodes(area)
+        share = self.points.share[self._pairs.point_of_pair]
+        return share * self.nodes.law.of_nodes(area)
 
 
 class SelfContact(SheetContact):

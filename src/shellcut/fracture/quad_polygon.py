@@ -81,6 +81,11 @@ def along_side(side: int, point: Point) -> float:
     return 0.5 * (1.0 + (c if side < 2 else -c))
 
 
+def ascending(a: int, b: int, s: float) -> tuple[int, int, float]:
+    """Return the ends of a side, the lower first, and the fraction s of it from that one on."""
+    return (a, b, s) if a <= b else (b, a, 1.0 - s)
+
+
 def edges(polygon: Polygon) -> Iterator[tuple[Point, Point, int]]:
     """Yield the edges of a polygon: two points, and the side of the quad, or FLANK."""
     points = polygon.points

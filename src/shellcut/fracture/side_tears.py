@@ -27,7 +27,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.nodal_stress import NodalStress, recover
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.state import KnownTopology, State
+from shellcut.state import OncePerTopology, State
 
 from .cut_film import CutFilm
 from .options import Fracture
@@ -99,20 +99,17 @@ class SideTears:
         """Decides instead of the nodal force."""
         if fracture.criterion == "stress":
             self.stress = LargestStress(shell, film, strength)
-        self._known = KnownTopology()
-        self._tried: dict[Tip, _Tried] = {}
+        self._tried = OncePerTopology[dict[Tip, _Tried]](lambda _: {})
 
     def best(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Candidate | None:
         """Return along which side a crack would run from its tip, None if there is none.
 
         tips : all of them.
         """
-        if not self._known.is_of(state):
-            self._tried.clear()
-            self._known.take(state)
-        if tip not in self._tried:
-            self._tried[tip] = self._try(state, tip)
-        segments, nodes, weights, corner, sums, weighed = self._tried[tip]
+        tried = self._tried.of(state)
+        if tip not in tried:
+            tried[tip] = self._try(state, tip)
+        segments, nodes, weights, corner, sums, weighed = tried[tip]
         if not segments:
             return None
         sums.weigh(state)

@@ -3,7 +3,7 @@
 May import ``numerics`` and rows below.
 """
 
-from .film import KnownTopology, SplitRecord, State
+from .film import KnownTopology, OncePerTopology, SplitRecord, State
 from .tables import (
     BROKEN,
     JOINTED,
@@ -35,6 +35,7 @@ __all__ = [
     "KernelNodes",
     "KnownTopology",
     "NodeTable",
+    "OncePerTopology",
     "QuadTable",
     "QuadsAtNodes",
     "SplitRecord",
