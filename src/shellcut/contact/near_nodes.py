@@ -1,7 +1,8 @@
-"""Lists of what is near, and how long they are complete.
+"""Lists of what is near, how long they are complete, and how long what they list waits.
 
 A list is made with a margin: of more than is near enough, so that for many steps nothing else can
-have come near. :class:`ListAge` tells how long, for all lists of the contact.
+have come near. :class:`ListAge` tells how long, for all lists of the contact. Of what is listed
+most does not touch for some steps: it waits by a :class:`Clock`, one of each term.
 
 The nodes near a tool are those inside boxes fixed to it, each wider by a margin than needed. The
 list lasts until tool and listed nodes together have moved by half the margin; the other half is for
