@@ -150,17 +150,15 @@ class Clock(NamedTuple):
 
 
 @always_inline
-def advance(
+def approach(
     clock: Clock, with_tool: bool, velocity: Floats, dt: float, pose: Pose, before: Pose
-) -> float:
-    """Advance a clock by the last step; return by how much [mm].
+) -> tuple[float, float]:
+    """Return how far two bodies may have moved in the last step, by which the clock advances [mm].
 
     with_tool : whether the tool moves against the film; else film moves against film.
     """
-    step = dt * _largest_speed(clock.node, velocity)
-    step += tool_motion_bound(pose, before, clock.radius) if with_tool else step
-    clock.walked[0] += step
-    return step
+    film = dt * _largest_speed(clock.node, velocity)
+    return film, tool_motion_bound(pose, before, clock.radius) if with_tool else film
 
 
 @inline

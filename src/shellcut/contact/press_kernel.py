@@ -20,7 +20,7 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.touch import Touch, react
 
 from .contact_tables import ContactTables, Memory
-from .near_nodes import advance
+from .near_nodes import approach
 from .settings import FADES_OVER, NOTICED, largest_rebound, smoothed, smoothed_integral
 from .tool_distance import depth_in_tool
 
@@ -207,7 +207,9 @@ def add_press_forces(
     )
     side, on_border, clock = memory.side, tables.on_border, tables.clock
     if not on_border:  # border segments wait on the same clock, which the nodes have set
-        advance(clock, True, tables.nodes.velocity_half, dt, pose, before)
+        by_film, by_tool = approach(clock, True, tables.nodes.velocity_half, dt, pose, before)
+        clock.walked[0] += by_tool
+        clock.walked[0] += by_film
     walked = clock.walked[0]
     work = stored = deepest = 0.0
     n_touching = 0

@@ -264,7 +264,8 @@ class SheetContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return pairs, memory and the last forces."""
-        return super().saved() | {"presses": self._presses.saved(), "walked": self._clock.walked}
+        walked = float(self._clock.walked[0])
+        return super().saved() | {"presses": self._presses.saved(), "walked": walked}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""

@@ -19,7 +19,7 @@ from shellcut.tool.pose import Pose, to_space, turn, turn_back
 from shellcut.tool.touch import Touch, react
 
 from .contact_tables import Presses, SheetTables
-from .near_nodes import advance
+from .near_nodes import approach
 from .press_kernel import is_fast, press
 from .quad_distance import (
     Exit,
@@ -54,8 +54,10 @@ def add_sheet_forces(pose: Pose, before: Pose, dt: float, tables: SheetTables, t
         tables.contact_points,
         tables.of_tool,
     )
-    ahead = _AHEAD * advance(tables.clock, rigid, nodes.velocity_half, dt, pose, before)
-    walked = tables.clock.walked[0]
+    by_film, by_other = approach(tables.clock, rigid, nodes.velocity_half, dt, pose, before)
+    step = by_film + by_other
+    tables.clock.walked[0] += step
+    walked, ahead = tables.clock.walked[0], _AHEAD * step
     # Half the work of the last forces, before the new ones are written in their place.
     work, g_m = half_work_of(presses, nodes, dt), law.smoothing_depth
     stored = deepest = 0.0
