@@ -7,7 +7,6 @@ from free_strip import cut_strip, pieces_of, slanted_strip
 from naive import blade_drive
 from shellcut import Mesh, StraightMotion, load_checkpoint, save_checkpoint
 from shellcut.contact.settings import STEEPEST
-from shellcut.fracture.begun_cut import Begun, Pierced
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cut_film import CutFilm
@@ -15,7 +14,7 @@ from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.entered_film import EnteredFilm
 from shellcut.fracture.flank_points import hand_on_stiffness
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
-from shellcut.fracture.tip import Tip
+from shellcut.fracture.tip import Begun, Pierced, Tip
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.cutting_edge import CuttingEdges
 

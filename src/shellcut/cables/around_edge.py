@@ -76,10 +76,23 @@ def branch_to(end: Vec3, side: float, k: int, edges: CuttingEdges) -> Branch:
     return Branch(place, rho, atan2(z, y), (-side * y * inverse, -z * inverse))
 
 
+class Bend(NamedTuple):
+    """A cable seen from a segment of the edge."""
+
+    minus: Branch
+    plus: Branch
+    turn: float
+    """phi [rad]."""
+
+
 @always_inline
-def side_of(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> float:
-    """Return +1 if the plus end is on the side that b of segment k points to, else -1."""
-    return 1.0 if dot(sub(plus, minus), segment_part(edges.segments, k, NORMAL)) >= 0.0 else -1.0
+def bend_at(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> Bend:
+    """Return how a cable from minus to plus, in the body frame, is bent around segment k."""
+    # +1 if the plus end is on the side that b of the segment points to.
+    ahead = dot(sub(plus, minus), segment_part(edges.segments, k, NORMAL))
+    side = 1.0 if ahead >= 0.0 else -1.0
+    first, second = branch_to(minus, -side, k, edges), branch_to(plus, side, k, edges)
+    return Bend(first, second, max(first.turn + second.turn, 0.0))
 
 
 @always_inline
@@ -125,11 +138,10 @@ def path_around(
     edge, joint_body : segment and joint of each cable, as in the state.
     """
     k = edge[c]
-    side = side_of(minus, plus, k, edges)
-    first, second = branch_to(minus, -side, k, edges), branch_to(plus, side, k, edges)
+    bend = bend_at(minus, plus, k, edges)
     v = segment_part(edges.segments, k, VECTOR)
     s = dot(sub(load(joint_body, c), segment_part(edges.segments, k, START)), v) / norm(v)
-    length_minus, pull_minus = path_to(first, s, k, edges)
-    length_plus, pull_plus = path_to(second, s, k, edges)
-    arc = max(first.turn, 0.0) + max(second.turn, 0.0)
+    length_minus, pull_minus = path_to(bend.minus, s, k, edges)
+    length_plus, pull_plus = path_to(bend.plus, s, k, edges)
+    arc = max(bend.minus.turn, 0.0) + max(bend.plus.turn, 0.0)
     return CablePath(length_minus, length_plus, pull_minus, pull_plus, arc)

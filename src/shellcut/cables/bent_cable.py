@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from shellcut.arrays import Floats, Vec3
-from shellcut.numerics.jit import always_inline, inline
+from shellcut.arrays import Vec3
+from shellcut.numerics.jit import always_inline
 from shellcut.numerics.vec3 import add, dot, load, norm, scale, store, sub
 from shellcut.tool.pose import Pose, to_body, to_space, turn
 
 from .around_edge import path_around
-from .cable_tables import CableRows, CableTables
+from .cable_tables import CableTables
 from .cohesive_law import SHORT_BRANCH
 from .joint_slip import drag_on_arc, grip, slide
 
@@ -60,14 +60,18 @@ def bend(
         at_minus, at_plus = to_body(minus, pose), to_body(plus, pose)
         path = path_around(c, at_minus, at_plus, edges, cables.edge, cables.joint_body)
         ell_minus, ell_plus, arc = path.minus, path.plus, path.arc
-        if ell_minus >= tables.law[SHORT_BRANCH]:
-            keep_direction(cables.branch, c, 0, turn(path.pull_minus, pose))
-        if ell_plus >= tables.law[SHORT_BRANCH]:
-            keep_direction(cables.branch, c, 1, turn(path.pull_plus, pose))
+        along_minus, along_plus = turn(path.pull_minus, pose), turn(path.pull_plus, pose)
         moved_minus = sub(minus, to_space(at_minus, before))
         moved_plus = sub(plus, to_space(at_plus, before))
     else:
-        ell_minus, ell_plus = _branch_lengths(c, p, minus, plus, tables.law[SHORT_BRANCH], cables)
+        to_minus, to_plus = sub(p, minus), sub(p, plus)
+        ell_minus, ell_plus = norm(to_minus), norm(to_plus)
+        along_minus, along_plus = scale(1.0 / ell_minus, to_minus), scale(1.0 / ell_plus, to_plus)
+    # A shorter branch keeps its direction: the bound sigma A / ell on the stiffness stays finite.
+    if ell_minus >= tables.law[SHORT_BRANCH]:
+        store(cables.branch[c], 0, along_minus)
+    if ell_plus >= tables.law[SHORT_BRANCH]:
+        store(cables.branch[c], 1, along_plus)
     kappa = eta = 0.0
     slack: float = cables.joint_slack[c]
     if belt > 0.0:
@@ -90,26 +94,3 @@ def work_at_edge(on_minus: Vec3, on_plus: Vec3, joint: Joint, radius: float) -> 
         by_tool = dot(on_minus, joint.moved_minus) + dot(on_plus, joint.moved_plus)
         return by_tool + dot(add(on_minus, on_plus), joint.slipped)
     return dot(add(on_minus, on_plus), joint.moved)
-
-
-@always_inline
-def _branch_lengths(
-    c: int, p: Vec3, minus: Vec3, plus: Vec3, short_branch: float, cables: CableRows
-) -> tuple[float, float]:
-    """Return the lengths of the branches to a joint at p [mm]; write the directions of the ends."""
-    to_minus, to_plus = sub(p, minus), sub(p, plus)
-    length_minus, length_plus = norm(to_minus), norm(to_plus)
-    # A shorter branch keeps its direction: the bound sigma A / ell on the stiffness stays finite.
-    if length_minus >= short_branch:
-        keep_direction(cables.branch, c, 0, scale(1.0 / length_minus, to_minus))
-    if length_plus >= short_branch:
-        keep_direction(cables.branch, c, 1, scale(1.0 / length_plus, to_plus))
-    return length_minus, length_plus
-
-
-@inline
-def keep_direction(branch: Floats, c: int, side: int, unit: Vec3) -> None:
-    """Write the direction of an end of cable c into branch : (n_cable, 2, 3)."""
-    branch[c, side, 0] = unit[0]
-    branch[c, side, 1] = unit[1]
-    branch[c, side, 2] = unit[2]

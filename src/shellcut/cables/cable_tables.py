@@ -5,17 +5,8 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.state import KernelNodes
 from shellcut.tool.cutting_edge import CuttingEdges
-
-
-class CableNodes(NamedTuple):
-    """What the kernel needs of the nodes, by the names of :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    force: Annotated[Floats, "(n_node, 3)"]
-    """Written."""
 
 
 class CableRows(NamedTuple):
@@ -74,5 +65,5 @@ class CableTables(NamedTuple):
     """The same of cables with a joint, :meth:`CohesiveTable.at_edge`."""
     joint: JointLaw
     edges: CuttingEdges
-    nodes: CableNodes
+    nodes: KernelNodes
     cables: CableRows

@@ -46,22 +46,33 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, NodeStiffness, SmallInts, StiffnessBy, Vec3, product
+from shellcut.arrays import Floats, NodeStiffness, StiffnessBy, Vec3, product
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.kept import saved_of, take_over
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
-from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KnownTopology, State
+from shellcut.numerics.vec3 import (
+    add,
+    add_to,
+    combine,
+    cross,
+    dot,
+    load,
+    norm,
+    scale,
+    store,
+    sub,
+)
+from shellcut.state import BROKEN, JOINTED, NOT_MET, STRAIGHT, KernelNodes, OncePerTopology, State
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 from shellcut.tool.touch import Booking, Touch, react
 
-from .bent_cable import Joint, bend, keep_direction, work_at_edge
-from .cable_stiffness import CableColumns, Compliance, cable_stiffness
-from .cable_tables import CableNodes, CableRows, CableTables
+from .bent_cable import Joint, bend, work_at_edge
+from .cable_stiffness import cable_stiffness
+from .cable_tables import CableRows, CableTables
 from .cohesive_law import (
     AREA,
     ONSET,
@@ -95,20 +106,6 @@ class CableForces(NamedTuple):
     """Joints made at this evaluation."""
     n_broken: int
     """Cables that broke at this evaluation."""
-
-    @classmethod
-    def of(cls, touch: Touch) -> CableForces:
-        """Return what the kernel has written."""
-        work, start_work, friction_work, n_made, n_broken, *couple = touch.sums.tolist()
-        return cls(
-            touch.wrench.copy(),
-            np.array(couple),
-            work,
-            start_work,
-            friction_work,
-            int(n_made),
-            int(n_broken),
-        )
 
 
 _N_SUM = 8  # the numbers of CableForces and, last, its couple
@@ -146,13 +143,11 @@ class CableSet(ForceTerm):
         self._joint = joint_law(law, tool)
         # Of a cable that is bent back on itself.
         belt = np.pi * self._joint.friction
-        grip = math.tanh(0.5 * belt)
+        self._grip = math.tanh(0.5 * belt)
         if belt and self._edges.radius:
-            grip += 0.5 * belt / -math.expm1(-0.5 * belt) - 1.0
-        self._compliance = Compliance.of(law, grip)
-        self._known = KnownTopology()
+            self._grip += 0.5 * belt / -math.expm1(-0.5 * belt) - 1.0
         self._pose: Pose | None = None
-        self._tables: CableTables | None = None
+        self._tables = OncePerTopology(self._laid_out)
         self._address_of = TableWriter()
         self._call = BoundOnce(_add_cable_forces)
         self._energies_of, self._stiffness = BoundOnce(_energies), BoundOnce(cable_stiffness)
@@ -164,7 +159,16 @@ class CableSet(ForceTerm):
     @property
     def forces(self) -> CableForces:
         """Results of the last evaluation."""
-        return CableForces.of(self.touch)
+        work, start_work, friction_work, n_made, n_broken, *couple = self.touch.sums.tolist()
+        return CableForces(
+            self.touch.wrench.copy(),
+            np.array(couple),
+            work,
+            start_work,
+            friction_work,
+            int(n_made),
+            int(n_broken),
+        )
 
     def add_forces(self, state: State, pose: Pose) -> None:
         """Find joints, add the cable forces at t_n to the nodal forces.
@@ -179,19 +183,15 @@ class CableSet(ForceTerm):
         if state.n_cable == 0:
             self._pose = pose
             return
-        if not self._known.is_of(state):
-            self._collect(state)
+        tables = self._tables.of(state)
         before, self._pose = self._pose or pose, pose
-        n_made, n_broken = self._call.code(
-            pose, before, state.dt, state.time, self._tables, self._touch
-        )
+        n_made, n_broken = self._call.code(pose, before, state.dt, state.time, tables, self._touch)
         self.n_joint_made += n_made
         self.n_broken += n_broken
 
-    def _collect(self, state: State) -> None:
-        """Lay out the arguments of the kernel, good until the next split."""
-        c, n = state.cable, state.node
-        self._known.take(state)
+    def _laid_out(self, state: State) -> CableTables:
+        """Return the arguments of the kernels."""
+        c = state.cable
         tables = CableTables(
             n_cable=c.count,
             directional=self.directional,
@@ -199,10 +199,10 @@ class CableSet(ForceTerm):
             at_edge=self._laws[1],
             joint=self._joint,
             edges=self._edges,
-            nodes=CableNodes(**{name: getattr(n, name) for name in CableNodes._fields}),
+            nodes=KernelNodes.of(state.node),
             cables=CableRows(**{name: getattr(c, name) for name in CableRows._fields}),
         )
-        self._tables = self._address_of(tables)
+        return self._address_of(tables)
 
     def energies(self, state: State) -> tuple[float, float]:
         """Return stored and dissipated energy of all cables by their laws [N·mm].
@@ -211,9 +211,7 @@ class CableSet(ForceTerm):
         """
         c, n = state.cable, state.cable.count
         stored, dissipated, area = np.empty(n), np.empty(n), c.area[:n]
-        self._energies_of(
-            c.status, c.edge, c.opening, c.opening_max, c.shed, *self._laws, stored, dissipated
-        )
+        self._energies_of(self._tables.of(state), stored, dissipated)
         return float(product(stored, area)), float(product(dissipated, area))
 
     def stored(self, state: State) -> dict[str, float]:
@@ -232,12 +230,9 @@ class CableSet(ForceTerm):
 
     def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that cables act on and a bound of their stiffness on each [N/mm]."""
-        c, room = state.cable, 4 * state.n_cable
+        room = 4 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        cables = CableColumns(**{name: getattr(c, name) for name in CableColumns._fields})
-        count = self._stiffness(
-            c.count, state.node.x, cables, *self._laws, self._compliance, node, stiffness
-        )
+        count = self._stiffness(self._tables.of(state), self._grip, node, stiffness)
         return node[:count], stiffness[:count]
 
 
@@ -247,12 +242,9 @@ def _straight_length(c: int, minus: Vec3, plus: Vec3, onset: float, cables: Cabl
     d = combine(1.0, sub(plus, minus), onset, load(cables.m, c))
     length = norm(d)
     # Only at the very birth of a cable without onset is its direction still m.
-    if length > 0.0:
-        keep_direction(cables.branch, c, 0, scale(1.0 / length, d))
-        keep_direction(cables.branch, c, 1, scale(-1.0 / length, d))
-    else:
-        keep_direction(cables.branch, c, 0, load(cables.m, c))
-        keep_direction(cables.branch, c, 1, scale(-1.0, load(cables.m, c)))
+    along = scale(1.0 / length, d) if length > 0.0 else load(cables.m, c)
+    store(cables.branch[c], 0, along)
+    store(cables.branch[c], 1, scale(-1.0, along))
     return length - onset
 
 
@@ -273,16 +265,9 @@ def at_end(c: int, end: int, rows: Floats, cables: CableRows) -> Vec3:
 @always_inline
 def add_at_end(c: int, end: int, force: Vec3, rows: Floats, cables: CableRows) -> None:
     """Add a force at an end of cable c to rows : (n_node, 3)."""
-    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
-    for k in range(3):
-        rows[here, k] += (1.0 - share) * force[k]
-        rows[there, k] += share * force[k]
-
-
-@always_inline
-def _end_vector(rows: Floats, c: int, end: int) -> Vec3:
-    """Return the vector of one end of cable c of rows : (n_cable, 2, 3)."""
-    return rows[c, end, 0], rows[c, end, 1], rows[c, end, 2]
+    share = cables.share[c]
+    add_to(rows, cables.ends[c, end], scale(1.0 - share, force))
+    add_to(rows, cables.far[c, end], scale(share, force))
 
 
 @kernel
@@ -350,15 +335,15 @@ def _add_cable_forces(
         cables.traction[c] = sigma
         extra = scale(fade, load(cables.start_force, c))
         pull = sigma * cables.area[c]
-        by_law_minus = scale(pull, _end_vector(cables.branch, c, 0))
-        by_law_plus = scale(pull, _end_vector(cables.branch, c, 1))
+        by_law_minus = scale(pull, load(cables.branch[c], 0))
+        by_law_plus = scale(pull, load(cables.branch[c], 1))
         f_minus = scale(1.0 + joint.gain_minus, by_law_minus)
         f_plus = scale(1.0 + joint.gain_plus, by_law_plus)
 
         # Work on the cable over the last step, ½ (f_{n-1} + f_n) · Δx at both ends and the joint.
         v_minus = at_end(c, 0, nodes.velocity_half, cables)
         v_plus = at_end(c, 1, nodes.velocity_half, cables)
-        was_minus, was_plus = _end_vector(cables.force, c, 0), _end_vector(cables.force, c, 1)
+        was_minus, was_plus = load(cables.force[c], 0), load(cables.force[c], 1)
         # Of the forces by the law alone: the gain by friction is taken out, its work follows below.
         mean_minus = combine(0.5 / (1.0 + gain_minus), was_minus, 0.5, by_law_minus)
         mean_plus = combine(0.5 / (1.0 + gain_plus), was_plus, 0.5, by_law_plus)
@@ -382,10 +367,8 @@ def _add_cable_forces(
         started = dt * 0.5 * (fade_old + fade) * dot(load(cables.start_force, c), relative)
         cables.start_work[c] += started
         start_work += started
-        for k in range(3):
-            cables.force[c, 0, k] = f_minus[k]
-            cables.force[c, 1, k] = f_plus[k]
-
+        store(cables.force[c], 0, f_minus)
+        store(cables.force[c], 1, f_plus)
         add_at_end(c, 0, add(f_minus, extra), nodes.force, cables)
         add_at_end(c, 1, sub(f_plus, extra), nodes.force, cables)
 
@@ -416,22 +399,14 @@ def _add_cable_forces(
 
 
 @kernel
-def _energies(
-    status: SmallInts,
-    edge: Ints,
-    opening: Floats,
-    opening_max: Floats,
-    shed: Floats,
-    straight: Floats,
-    at_edge: Floats,
-    stored: Floats,
-    dissipated: Floats,
-) -> None:
+def _energies(tables: CableTables, stored: Floats, dissipated: Floats) -> None:
     """Write stored and dissipated energy per area [N/mm], both : (n,), of the first n cables."""
+    tables = borrowed(tables)
+    cables = tables.cables
     for c in range(stored.shape[0]):
-        law = at_edge if edge[c] != NOT_MET else straight
-        if status[c] == BROKEN:
+        law = tables.at_edge if cables.edge[c] != NOT_MET else tables.law
+        if cables.status[c] == BROKEN:
             stored[c], dissipated[c] = 0.0, law[AREA]
         else:
-            stored[c], dissipated[c] = energies(opening[c], opening_max[c], law)
-        dissipated[c] += shed[c]
+            stored[c], dissipated[c] = energies(cables.opening[c], cables.opening_max[c], law)
+        dissipated[c] += cables.shed[c]

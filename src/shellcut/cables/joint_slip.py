@@ -65,7 +65,6 @@ Perfect adhesion has rho = xi, which is Atkins' result, and free slip rho = 0.
 from __future__ import annotations
 
 from math import exp, sqrt, tanh
-from typing import NamedTuple
 
 import numpy as np
 
@@ -76,7 +75,7 @@ from shellcut.numerics.vec3 import combine, dot, load, norm, store, sub
 from shellcut.tool.cutting_edge import START, VECTOR, CuttingEdges, segment_part
 from shellcut.tool.tool import Tool
 
-from .around_edge import Branch, branch_to, side_of
+from .around_edge import Bend, bend_at
 from .cable_tables import CableRows, JointLaw
 from .cohesive_law import CohesiveTable
 
@@ -107,23 +106,6 @@ def neighbours(tool: Tool | None) -> Ints:
         onward[first, 0] = last if chain.closed else -1
         onward[last, 1] = first if chain.closed else -1
     return onward
-
-
-class Bend(NamedTuple):
-    """A cable seen from a segment of the edge."""
-
-    minus: Branch
-    plus: Branch
-    turn: float
-    """phi [rad]."""
-
-
-@always_inline
-def bend_at(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> Bend:
-    """Return how a cable from minus to plus, in the body frame, is bent around segment k."""
-    side = side_of(minus, plus, k, edges)
-    first, second = branch_to(minus, -side, k, edges), branch_to(plus, side, k, edges)
-    return Bend(first, second, max(first.turn + second.turn, 0.0))
 
 
 @always_inline

@@ -340,17 +340,13 @@ class _Search:
         """Return the times to sample: the tool moves by half an edge length between two."""
         points = np.concatenate([points for points, _ in self._chains])
         corners = points[np.unique([points.argmin(axis=0), points.argmax(axis=0)])]
-        rough = np.linspace(0.0, self._duration, _FEWEST_TIMES + 1)
-        x = self._moved(corners, rough)
+        rough = np.linspace(0.0, self._duration, _FEWEST_TIMES + 1).tolist()
+        x = np.array([pose_at(self._motion, t).to_space(corners) for t in rough])
         way = float(np.linalg.norm(np.diff(x, axis=0), axis=2).sum(axis=0).max())
         most = int(np.clip(_MOST_HEIGHTS // len(points), 20, _MOST_TIMES))
         least = min(_FEWEST_TIMES, most)
         n = int(np.clip(np.ceil(way / (0.5 * self._edge_length)), least, most))
         return self._duration / n * np.arange(n + 1.0), n
-
-    def _moved(self, points: Floats, times: Floats) -> Floats:
-        poses = [pose_at(self._motion, t) for t in times.tolist()]
-        return np.array([pose.to_space(points) for pose in poses])
 
     def _heights(self, x: Floats) -> Floats:
         if self._plane is not None:

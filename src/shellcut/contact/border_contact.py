@@ -37,12 +37,17 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
-from shellcut.numerics.table_address import TableWriter
-from shellcut.state import State
+from shellcut.state import KernelNodes, State
 from shellcut.tool.pose import Pose
 
-from .contact_tables import ContactNodes, ContactPoints, ContactTables, DistanceQueries, Memory
-from .film_outline import BorderSegments, FilmBorderSegments
+from .contact_tables import (
+    ContactPoints,
+    ContactTables,
+    DistanceQueries,
+    Memory,
+    carry_over,
+)
+from .film_outline import BorderSegments
 from .penalty_contact import PenaltyContact
 from .press_kernel import add_press_forces
 from .press_term import WORK, PressTerm
@@ -76,20 +81,16 @@ class BorderContact(PressTerm):
     kept_names = (*PressTerm.kept_names, "_looks", "_memory", "_key", "n_search")
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
-        self._contact = contact
+        assert contact.film_edges is not None
+        self._contact, self._border = contact, contact.film_edges
         nothing = np.zeros(0, np.int64)
-        super().__init__(
-            "edges", contact.tool.n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing
-        )
+        super().__init__("edges", contact.tool.n_tooth, nothing)
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)
         self._rounding = max(contact.law.rounding, thin, self._spacing / SPACING)
         self._key, self._near = nothing, nothing
         self._looks, self._memory = DistanceQueries.none_yet(0), Memory.blank(0)
         self._of_contact: ContactTables | None = None
-        self._pose: Pose | None = None
-        self.tables: ContactTables | None = None
-        self._address_of = TableWriter()
         self._call, self._list = BoundOnce(add_press_forces), BoundOnce(_places_on)
 
     def add_forces(self, state: State, pose: Pose) -> None:
@@ -101,11 +102,6 @@ class BorderContact(PressTerm):
         self._call.code(pose, before, state.dt, self.tables, self._touch)
         if renewed:
             self.touch.sums[WORK] += work
-
-    @property
-    def _border(self) -> FilmBorderSegments:
-        assert self._contact.film_edges is not None
-        return self._contact.film_edges
 
     def stiffness(self, state: State, counted: StiffnessBy) -> NodeStiffness:
         """Return the ends of segments that may press soon and what they add at most [N/mm].
@@ -153,14 +149,11 @@ class BorderContact(PressTerm):
         at = np.searchsorted(was, key)
         same = was.take(at, mode="clip") == key if was.size else np.zeros(count, np.bool_)
         self.kept = np.where(same, at, -1)
-        to, of = np.flatnonzero(same), at[same]
         queries, memory = DistanceQueries.none_yet(count), Memory.blank(count)
-        queries.across[to] = self._looks.across[of]
-        kept: Any = zip(memory[1:], had[1:], strict=True)
-        for new, old in kept:
-            new[to] = old[of]
+        old = *had[1:], self._looks.across
+        carry_over((*memory[1:], queries.across), old, self.kept)
         pressed: Bools = np.asarray(had.force.any(axis=1))
-        pressed[of] = False
+        pressed[at[same]] = False
         dropped = np.flatnonzero(pressed)
         v = state.node.velocity_half[self.carriers.node[dropped]]
         moved = (self.carriers.weight[dropped, :, None] * v).sum(axis=1)
@@ -178,14 +171,13 @@ class BorderContact(PressTerm):
         self.tables = self._address_of(
             ContactTables(
                 on_border=True,
-                rounding=self._rounding,
                 tool=contact.solid,
-                law=contact.law,
+                law=contact.law._replace(rounding=self._rounding),
                 clock=contact.clock,
                 queries=self._looks,
                 contact_points=self.carriers,
                 memory=self._memory,
-                nodes=ContactNodes.of(state),
+                nodes=KernelNodes.of(state.node),
                 around=state.quads_at_nodes(),
             )
         )

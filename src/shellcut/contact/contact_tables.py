@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Bools, Floats, Ints, SmallIds, SmallInts
-from shellcut.state import QuadsAtNodes, State
+from shellcut.arrays import Bools, Floats, Ints, Numbers, SmallIds, SmallInts
+from shellcut.state import KernelNodes, QuadsAtNodes, State
 from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 
 from .film_outline import Outline
+from .near_nodes import Clock
 from .pair_search import Pairs
 from .settings import PenaltyLaw, SheetLaw
 
@@ -100,15 +102,12 @@ class Memory(NamedTuple):
         return cls(row, side, depth, offset, place, work, force)
 
 
-class Clock(NamedTuple):
-    """How far tool and film may have approached each other."""
-
-    node: Annotated[Ints, "(n_moving,)"]
-    """Nodes whose largest speed counts."""
-    walked: Annotated[Floats, "(1,)"]
-    """Distance moved by both together since the list was made [mm]."""
-    radius: float
-    """Of the tool's farthest point, around the body's origin [mm]."""
+def carry_over(new: Iterable[Numbers], old: Iterable[Numbers], kept: Ints) -> None:
+    """Write to the rows of new arrays those that they had in old ones; kept : (n,), -1 for none."""
+    to = np.flatnonzero(kept >= 0)
+    for rows, had in zip(new, old, strict=True):
+        if len(had):
+            rows[to] = had[kept[to]]
 
 
 class ContactTool(NamedTuple):
@@ -133,41 +132,19 @@ class ContactTool(NamedTuple):
     lengths."""
 
 
-class ContactNodes(NamedTuple):
-    """Fields of the nodes that kernels need, named as in :class:`shellcut.state.NodeTable`."""
-
-    x: Annotated[Floats, "(n_node, 3)"]
-    velocity_half: Annotated[Floats, "(n_node, 3)"]
-    contact_area: Annotated[Floats, "(n_node,)"]
-    contact_share: Annotated[Floats, "(n_node,)"]
-    contact_mass: Annotated[Floats, "(n_node,)"]
-    push: Annotated[Floats, "(n_node, 2)"]
-    supported: Annotated[Bools, "(n_node,)"]
-    contact_side: Annotated[SmallInts, "(n_node,)"]
-    """Of the blade, of each node: kernels write this and the force."""
-    force: Annotated[Floats, "(n_node, 3)"]
-
-    @classmethod
-    def of(cls, state: State) -> ContactNodes:
-        """Return those of a state, good until the next split."""
-        return cls(*(getattr(state.node, name) for name in cls._fields))
-
-
 class ContactTables(NamedTuple):
     """Kernel arguments that stay valid until the list is made anew."""
 
     on_border: bool
     """Whether the contact points are on the film's border, between two nodes; else they are
     nodes."""
-    rounding: float
-    """Radius by which convex edges of the tool are rounded [mm]."""
     tool: ContactTool
     law: PenaltyLaw
     clock: Clock
     queries: DistanceQueries
     contact_points: ContactPoints
     memory: Memory
-    nodes: ContactNodes
+    nodes: KernelNodes
     around: QuadsAtNodes
 
 
@@ -198,7 +175,7 @@ class ToolPoints(NamedTuple):
 
 
 class Waits(NamedTuple):
-    """How long points need not be evaluated: distances, on the scale of ``walked``."""
+    """How long points need not be evaluated: distances, on the scale of the clock."""
 
     point: Annotated[Floats, "(n_point,)"]
     """Until when a point touches nothing [mm]."""
@@ -236,8 +213,6 @@ class SheetTables(NamedTuple):
 
     of_tool: bool
     """Whether the points are the tool's; else they are nodes."""
-    radius: float
-    """Of the farthest of the tool's, around the body's origin [mm]."""
     law: SheetLaw
     points: ToolPoints
     pairs: Pairs
@@ -248,11 +223,11 @@ class SheetTables(NamedTuple):
     met: Annotated[Bools, "(n_sheet,)"]
     """Whether the point has been seen close to the sheet."""
     waits: Waits
-    moving: Annotated[Ints, "(n_moving,)"]
-    """Points that are nodes, and nodes of the quads close to points."""
+    clock: Clock
+    """Of points that are nodes, and of the nodes of the quads close to points."""
     outline: Outline
     quads: Annotated[SmallIds, "(n_quad, 4)"]
-    nodes: ContactNodes
+    nodes: KernelNodes
     contact_points: ContactPoints
     """Sheet by sheet, where and how hard the point presses on it."""
     presses: Presses

@@ -73,17 +73,18 @@ from shellcut.numerics.vec3 import (
     cross,
     dot,
     load,
+    mean_of,
     norm,
     scale,
     store,
     sub,
 )
-from shellcut.state import State
+from shellcut.state import KernelNodes, State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import ON_TOOL, Booking, Touch, react
 
-from .contact_tables import ContactNodes, ContactPoints
+from .contact_tables import ContactPoints, carry_over
 from .press_term import TOUCHING, PressTerm
 from .quad_distance import Corners, normal_at, place_in, slopes_along, tangents_at
 from .settings import STEEPEST
@@ -91,12 +92,6 @@ from .sheet_contact import SelfContact
 
 TANGENTIAL = 0.5
 """Stiffness of the tangential spring over that of the penalty."""
-
-
-def stiffer_by(coefficient: float) -> float:
-    """Return what friction adds to the steepest penalty in the bound on the step, over that."""
-    coupled = (1.0 + coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
-    return float(np.sqrt(coupled)) - 1.0
 
 
 @always_inline
@@ -151,7 +146,7 @@ class FrictionTables(NamedTuple):
     body."""
     contact_points: ContactPoints
     springs: Springs
-    nodes: ContactNodes
+    nodes: KernelNodes
 
 
 class FrictionForces(NamedTuple):
@@ -227,7 +222,8 @@ class CoulombFriction(ForceTerm):
     def stiffness(self, _state: State, counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that may be pressed soon and what friction adds there [N/mm]."""
         near, penalty = counted[self._pressing.name]
-        return near, stiffer_by(self.coefficient) * penalty
+        coupled = (1.0 + self.coefficient**2) + (TANGENTIAL / STEEPEST) ** 2
+        return near, (float(np.sqrt(coupled)) - 1.0) * penalty
 
     def stored(self, _state: State) -> dict[str, float]:
         """Return the energy of the springs at the last evaluation, by its name in the balance."""
@@ -266,19 +262,16 @@ class CoulombFriction(ForceTerm):
             rows = np.append(kept, np.setdiff1d(np.flatnonzero(was.holds), kept))
             nodes = np.concatenate([node, was.node[rows[len(node) :]]])
             self.springs = Springs.at_rest(nodes, self._on_film)
-            to = np.flatnonzero(rows >= 0)
-            for new, old in zip(self.springs[1:], was[1:], strict=True):
-                if len(old):
-                    new[to] = old[rows[to]]
+            carry_over(self.springs[1:], was[1:], rows)
             # Halves of a split node have a spring each; its force has acted once.
-            again = np.setdiff1d(to, np.unique(rows, return_index=True)[1])
+            again = np.setdiff1d(np.flatnonzero(rows >= 0), np.unique(rows, return_index=True)[1])
             self.springs.force[again] = 0.0
             if self._on_film:
                 self.springs.back[again] = 0.0
         self._lay_out(state)
 
     def _lay_out(self, state: State) -> None:
-        nodes, pressing = ContactNodes.of(state), self._pressing
+        nodes, pressing = KernelNodes.of(state.node), self._pressing
         point: Ints = np.zeros(0, np.int64)
         if isinstance(pressing, SelfContact):
             point = pressing.point_of_sheet()
@@ -322,7 +315,7 @@ def _in_space(u: Vec3, frame: _Frame) -> Vec3:
 
 
 @inline
-def _quad_at(i: int, node: Ints, nodes: ContactNodes, dt: float) -> Corners:
+def _quad_at(i: int, node: Ints, nodes: KernelNodes, dt: float) -> Corners:
     """Return the corners of the quad of a contact point, dt ago [mm]."""
     x, v = nodes.x, nodes.velocity_half
     a, b, c, d = node[i, 0], node[i, 1], node[i, 2], node[i, 3]
@@ -347,16 +340,6 @@ def _frame_on(q: Corners, xi: float, eta: float, over: float) -> _Frame:
     a1, _ = tangents_at(q, xi, eta)
     along, n = scale(1.0 / norm(a1), a1), normal_at(q, xi, eta)
     return _Frame(add_scaled(place_in(q, xi, eta), over, n), along, cross(n, along), n)
-
-
-@inline
-def _motion_of(i: int, node: Ints, weight: Floats, nodes: ContactNodes) -> tuple[Vec3, Vec3]:
-    """Return the position of a contact point [mm] and its velocity [mm/s]."""
-    x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for c in range(4):
-        x = add_scaled(x, weight[i, c], load(nodes.x, node[i, c]))
-        v = add_scaled(v, weight[i, c], load(nodes.velocity_half, node[i, c]))
-    return x, v
 
 
 @inline
@@ -395,7 +378,8 @@ def _add_friction(
         u, f = load(springs.slip, row), load(springs.force, row)
         # The force of t_{n-1} acts for half of the step on the contact point that it belonged to.
         if springs.holds[i] and not on_film:
-            x, v = _motion_of(i, springs.node, springs.weight, nodes)
+            x = mean_of(nodes.x, springs.node, springs.weight, i)
+            v = mean_of(nodes.velocity_half, springs.node, springs.weight, i)
             work += 0.5 * dt * dot(f, v)
             dissipated -= 0.5 * dot(_seen(f, then), add(u, _slid(x, v, dt, now, then)))
         elif springs.holds[i]:
@@ -415,7 +399,8 @@ def _add_friction(
                 then = _frame_on(_quad_at(i, points.node, nodes, dt), xi, eta, over)
                 u, normal = _seen(u, now), _seen(normal, now)
             else:
-                x, v = _motion_of(i, points.node, points.weight, nodes)
+                x = mean_of(nodes.x, points.node, points.weight, i)
+                v = mean_of(nodes.velocity_half, points.node, points.weight, i)
             d = _slid(x, v, dt, now, then)
             new, slips = return_mapping(add(u, d), normal, k_t, coefficient * pressure)
             f = _in_space(scale(-k_t, new), now)
@@ -451,7 +436,7 @@ def _add_friction(
 
 
 @inline
-def _power_on_film(i: int, nodes: ContactNodes, springs: Springs) -> float:
+def _power_on_film(i: int, nodes: KernelNodes, springs: Springs) -> float:
     """Return the power of the last forces of a node on a sheet [N·mm/s]."""
     springs = borrowed(springs)
     v = nodes.velocity_half

@@ -29,7 +29,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, SmallIds, norm
 from shellcut.numerics.jit import BoundOnce, inline, kernel
-from shellcut.state import KnownTopology, State
+from shellcut.state import KnownTopology, OncePerTopology, State
 
 from .settings import PenaltyLaw
 
@@ -88,17 +88,22 @@ class FilmOutline:
         """Return the outline of the film as it is now."""
         if self._known.is_of(state):
             return self._outline
-        first = self._known.revision < 0
-        changed = self._known.changed_quads(state)
-        if first:
-            changed = np.arange(state.n_quad)
-        self._make_room(state)
-        cut = changed[state.quad.share[changed] < 1.0]
+        q, n, count, known = state.quad, state.node, state.n_quad, self._known
+        changed = known.changed_quads(state) if known.revision >= 0 else np.arange(count)
+        self._make_room(len(q.nodes), 0)
+        more = len(n.x) - self._at_border.size
+        if more > 0:
+            self._at_border = np.append(self._at_border, np.zeros(more, np.bool_))
+        cut = changed[q.share[changed] < 1.0]
         if self._part_of is not None:
             for row in cut.tolist():
-                self._write(row, self._part_of(row))
-        q, n, outline = state.quad, state.node, self._outline
-        count = state.n_quad
+                points, sides = self._part_of(row)
+                n_point = len(points)
+                self._make_room(0, n_point)
+                self._outline.n_edge[row] = n_point
+                self._outline.point[row, :n_point] = points
+                self._outline.side[row, :n_point] = sides
+        outline = self._outline
         outline.absent[:count] = q.share[:count] < SLIVER
         self._mark(
             changed.astype(np.int64), q.nodes, n.quads, n.n_quad_at, self._at_border, outline
@@ -106,31 +111,15 @@ class FilmOutline:
         self._known.take(state)
         return outline
 
-    def _make_room(self, state: State) -> None:
-        """Give every row of the state's tables a place; new ones are whole to begin with."""
-        rows, nodes = len(state.quad.nodes), len(state.node.x)
-        old = self._outline
-        if len(old.n_edge) < rows:
-            self._outline = _of_whole_quads(rows, old.point.shape[1])
-            for new, before in zip(self._outline, old, strict=True):
-                new[: len(before)] = before
-        if self._at_border.size < nodes:
-            self._at_border = np.concatenate(
-                [self._at_border, np.zeros(nodes - self._at_border.size, bool)]
-            )
-
-    def _write(self, row: int, part: Part) -> None:
-        points, sides = part
-        most = self._outline.point.shape[1]
-        if len(points) > most:
-            wider = _of_whole_quads(len(self._outline.n_edge), 2 * most)
-            for new, before in zip(wider, self._outline, strict=True):
-                new[tuple(slice(0, length) for length in before.shape)] = before
-            self._outline = wider
-        outline, n = self._outline, len(points)
-        outline.n_edge[row] = n
-        outline.point[row, :n] = points
-        outline.side[row, :n] = sides
+    def _make_room(self, rows: int, points: int) -> None:
+        """Give so many rows a place, and so many points in each; new rows are whole."""
+        n_row, most = self._outline.side.shape
+        if rows <= n_row and points <= most:
+            return
+        old, wider = self._outline, most if points <= most else 2 * most
+        self._outline = _of_whole_quads(max(rows, n_row), wider)
+        for new, before in zip(self._outline, old, strict=True):
+            new[tuple(slice(0, length) for length in before.shape)] = before
 
 
 def _of_whole_quads(n_row: int, n_most: int) -> Outline:
@@ -229,12 +218,8 @@ class BorderSegments(NamedTuple):
         at[nodes] = True
         return np.flatnonzero(at[self.node].any(axis=1))
 
-    def with_ends_at(self, nodes: Ints) -> Ints:
-        """Return some nodes and the other ends of the segments that end there, ascending."""
-        return np.union1d(nodes, self.node[self.near(nodes)])
 
-
-class FilmBorderSegments:
+class FilmBorderSegments(OncePerTopology[BorderSegments]):
     """Keeps the border segments of a film up to date from cut to cut.
 
     Parameters
@@ -245,15 +230,8 @@ class FilmBorderSegments:
     """
 
     def __init__(self, law: PenaltyLaw, part_of: Callable[[int], Part]) -> None:
-        self._law, self._outline, self._known = law, FilmOutline(part_of), KnownTopology()
-        self._segments: BorderSegments | None = None
-
-    def of(self, state: State) -> BorderSegments:
-        """Return the border segments of the film as it is now."""
-        if self._segments is None or not self._known.is_of(state):
-            self._segments = border_segments(state, self._outline.of(state), self._law)
-            self._known.take(state)
-        return self._segments
+        outline = FilmOutline(part_of)
+        super().__init__(lambda state: border_segments(state, outline.of(state), law))
 
 
 def border_segments(state: State, outline: Outline, law: PenaltyLaw) -> BorderSegments:

@@ -1,7 +1,8 @@
-"""Lists of what is near, and how long they are complete.
+"""Lists of what is near, how long they are complete, and how long what they list waits.
 
 A list is made with a margin: of more than is near enough, so that for many steps nothing else can
-have come near. :class:`ListAge` tells how long, for all lists of the contact.
+have come near. :class:`ListAge` tells how long, for all lists of the contact. Of what is listed
+most does not touch for some steps: it waits by a :class:`Clock`, one of each term.
 
 The nodes near a tool are those inside boxes fixed to it, each wider by a margin than needed. The
 list lasts until tool and listed nodes together have moved by half the margin; the other half is for
@@ -12,11 +13,13 @@ the search over all nodes is rare. The list never changes a result: its users ch
 from __future__ import annotations
 
 from math import sqrt
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import in_box
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.kept import Kept
 from shellcut.numerics.vec3 import dot, load, sub
@@ -131,18 +134,31 @@ class NearNodes(Kept):
         return np.flatnonzero(listed)
 
 
-@inline
-def in_box(p: tuple[float, float, float], low: Floats, high: Floats, b: int) -> bool:
-    """Return whether a point lies inside box b of low, high : (n_box, 3)."""
-    # Branch-free: branches here would be mispredicted.
-    return bool(
-        (low[b, 0] < p[0])
-        & (p[0] < high[b, 0])
-        & (low[b, 1] < p[1])
-        & (p[1] < high[b, 1])
-        & (low[b, 2] < p[2])
-        & (p[2] < high[b, 2])
-    )
+class Clock(NamedTuple):
+    """How far points and film, or tool and film, may have approached each other.
+
+    An evaluation of a point tells how far both may move before it can touch. Until the clock has
+    advanced by that distance the point waits.
+    """
+
+    node: Annotated[Ints, "(n_moving,)"]
+    """Nodes whose largest speed counts."""
+    walked: Annotated[Floats, "(1,)"]
+    """Distance moved by both together since the list was made [mm]."""
+    radius: float
+    """Of the tool's farthest point, around the body's origin [mm]."""
+
+
+@always_inline
+def approach(
+    clock: Clock, with_tool: bool, velocity: Floats, dt: float, pose: Pose, before: Pose
+) -> tuple[float, float]:
+    """Return how far two bodies may have moved in the last step, by which the clock advances [mm].
+
+    with_tool : whether the tool moves against the film; else film moves against film.
+    """
+    film = dt * _largest_speed(clock.node, velocity)
+    return film, tool_motion_bound(pose, before, clock.radius) if with_tool else film
 
 
 @inline
@@ -159,7 +175,7 @@ def tool_motion_bound(pose: Pose, then: Pose, radius: float) -> float:
 
 
 @always_inline
-def largest_speed(ids: Ints, velocity: Floats) -> float:
+def _largest_speed(ids: Ints, velocity: Floats) -> float:
     """Return the largest speed of some nodes [mm/s]."""
     fastest = 0.0
     for i in range(ids.shape[0]):

@@ -16,10 +16,10 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, SmallIds
+from shellcut.numerics.boxes import box_around, in_box
 from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.vec3 import load
 from shellcut.state import State
-
-from .near_nodes import in_box
 
 # Pairs that room is made for at first, over the points.
 _ROOM = 16
@@ -107,11 +107,13 @@ class PairSearch:
         n_box, axis, widest = self._boxes(points.place, rows, quads, n.x, reach, boxes)
         order = np.argsort(low[:n_box, axis], kind="stable")
         boxes = Boxes(row[order], low[order], high[order])
+        # The first box that may contain each point.
+        begin = np.searchsorted(boxes.low[:, axis], points.place[:, axis] - widest)
         n_point, room = points.ids.size, _ROOM * (points.ids.size + 1)
         while True:
             pairs = Pairs(*(np.empty(k, np.int64) for k in (n_point, n_point + 1, room + 1, room)))
             n_pair, n_sheet, n_met = self._find(
-                points, boxes, axis, widest, quads, n.quads, n.n_quad_at, pairs
+                points, boxes, axis, begin, quads, n.quads, n.n_quad_at, pairs
             )
             if n_pair <= room:
                 ends = (n_met, n_met + 1, n_sheet + 1, n_pair)
@@ -139,14 +141,12 @@ def _write_boxes(
         if high[c] - low[c] > high[axis] - low[axis]:
             axis = c
     for row in rows:
+        a, b = load(x, quads[row, 0]), load(x, quads[row, 1])
+        lowest, highest = box_around(a, b, load(x, quads[row, 2]), load(x, quads[row, 3]))
         near = True
         for c in range(3):
-            lowest = highest = x[quads[row, 0], c]
-            for a in range(1, 4):
-                here = x[quads[row, a], c]
-                lowest, highest = min(lowest, here), max(highest, here)
-            boxes.low[count, c], boxes.high[count, c] = lowest - reach, highest + reach
-            near &= lowest - reach <= high[c] and highest + reach >= low[c]
+            boxes.low[count, c], boxes.high[count, c] = lowest[c] - reach, highest[c] + reach
+            near &= boxes.low[count, c] <= high[c] and boxes.high[count, c] >= low[c]
         if near:
             boxes.row[count] = row
             widest = max(widest, boxes.high[count, axis] - boxes.low[count, axis])
@@ -193,7 +193,7 @@ def _find(
     points: Points,
     boxes: Boxes,
     axis: int,
-    widest: float,
+    begin: Ints,
     quads: SmallIds,
     at: SmallIds,
     n_at: SmallIds,
@@ -201,8 +201,9 @@ def _find(
 ) -> tuple[int, int, int]:
     """Write the pairs; return how many pairs, sheets and points with partners there are.
 
-    The number of pairs is right also where there is no room for all.  axis, widest : along which
-    the boxes ascend, and their largest width [mm].  at, n_at : rows at every node.
+    The number of pairs is right also where there is no room for all.  axis : along which the boxes
+    ascend.  begin : (n_point,), first box that may contain each point.  at, n_at : rows at every
+    node.
     """
     of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row is connected to
     of_node, owner, ring = np.full(at.shape[0], -1), np.full(at.shape[0], -1), np.empty_like(n_at)
@@ -213,7 +214,7 @@ def _find(
         if points.rings[i] >= 0:
             _mark_rings(i, points, quads, at, n_at, of_row, of_node, ring)
         p, n = (points.place[i, 0], points.place[i, 1], points.place[i, 2]), 0
-        for j in range(_first_from(p[axis] - widest, boxes, axis), boxes.row.shape[0]):
+        for j in range(begin[i], boxes.row.shape[0]):
             row = boxes.row[j]
             if boxes.low[j, axis] > p[axis]:
                 break
@@ -251,19 +252,6 @@ def _find(
                     n_pair += 1
     pairs.first_sheet[n_point], pairs.first_pair[n_sheet] = n_sheet, min(n_pair, pairs.row.shape[0])
     return n_pair, n_sheet, n_point
-
-
-@inline
-def _first_from(start: float, boxes: Boxes, axis: int) -> int:
-    """Return the first box that does not begin before a coordinate [mm]."""
-    low, high = 0, boxes.row.shape[0]
-    while low < high:
-        middle = (low + high) // 2
-        if boxes.low[middle, axis] < start:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @inline

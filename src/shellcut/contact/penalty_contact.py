@@ -42,9 +42,8 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
-from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import load
-from shellcut.state import State
+from shellcut.state import KernelNodes, State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.pose import Pose, to_body
@@ -53,8 +52,6 @@ from shellcut.tool.signed_distance import GridCells, at_least
 from shellcut.tool.tool import Tool
 
 from .contact_tables import (
-    Clock,
-    ContactNodes,
     ContactPoints,
     ContactTables,
     ContactTool,
@@ -62,9 +59,9 @@ from .contact_tables import (
     Memory,
 )
 from .film_outline import FilmBorderSegments, Part
-from .near_nodes import NearNodes
+from .near_nodes import Clock, NearNodes
 from .press_kernel import add_press_forces
-from .press_term import PressTerm
+from .press_term import DEEPEST, PressTerm
 from .settings import Contact, PenaltyLaw
 
 # Margin of the list of near nodes, over the median edge length. Nodes within half of it count with
@@ -109,9 +106,7 @@ class PenaltyContact(PressTerm):
         crack_aside: float = 0.0,
         part_of: Callable[[int], Part] | None = None,
     ) -> None:
-        super().__init__(
-            "contact", tool.n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), None
-        )
+        super().__init__("contact", tool.n_tooth, None)
         self.tool = tool
         self.law = PenaltyLaw.of(contact, film, tool)
         self.thickness = film.thickness
@@ -144,9 +139,6 @@ class PenaltyContact(PressTerm):
         self.clock = Clock(self.near.ids, np.zeros(1), self._radius)
         """Of all that waits to touch the tool."""
         self._ids, self._looks = self.near.ids, DistanceQueries.none_yet(0)
-        self._pose: Pose | None = None
-        self.tables: ContactTables | None = None
-        self._address_of = TableWriter()
         self._call, self._soon = BoundOnce(add_press_forces), BoundOnce(_within)
         self.deepest = 0.0
         """Largest depth of a node in the tool so far [mm]."""
@@ -157,8 +149,8 @@ class PenaltyContact(PressTerm):
         if self.near.renew(state, pose):
             self._take_list(state)
             self.n_search = self.near.n_search
-        deepest = self._call.code(pose, before, state.dt, self.tables, self._touch)
-        self.deepest = max(self.deepest, deepest)
+        self._call.code(pose, before, state.dt, self.tables, self._touch)
+        self.deepest = max(self.deepest, float(self.touch.sums[DEEPEST]))
 
     def stiffness(self, state: State, _counted: StiffnessBy) -> NodeStiffness:
         """Return the nodes that may come into contact soon and their steepest penalty [N/mm]."""
@@ -218,18 +210,18 @@ class PenaltyContact(PressTerm):
         else:
             edges = self.film_edges.of(state)
             self.carriers.stiffness[:] = edges.left[near]
-            moving = edges.with_ends_at(near)
+            # The other ends of the segments that end at these nodes move with them.
+            moving = np.union1d(near, edges.node[edges.near(near)])
         self.clock = Clock(moving, np.zeros(1), self._radius)
         tables = ContactTables(
             on_border=False,
-            rounding=self.law.rounding,
             tool=self.solid,
             law=self.law,
             clock=self.clock,
             queries=self._looks,
             contact_points=self.carriers,
             memory=Memory.of_nodes(state, near),
-            nodes=ContactNodes.of(state),
+            nodes=KernelNodes.of(state.node),
             around=state.quads_at_nodes(),
         )
         self.tables = self._address_of(tables)

@@ -20,7 +20,7 @@ from shellcut.tool.pose import Pose, to_body, turn
 from shellcut.tool.touch import Touch, react
 
 from .contact_tables import ContactTables, Memory
-from .near_nodes import largest_speed, tool_motion_bound
+from .near_nodes import approach
 from .settings import FADES_OVER, NOTICED, largest_rebound, smoothed, smoothed_integral
 from .tool_distance import depth_in_tool
 
@@ -143,19 +143,6 @@ def _pushed(i: int, direction: Vec3, tables: ContactTables) -> tuple[float, floa
 
 
 @always_inline
-def _put_on(i: int, x: Vec3, f: Vec3, pose: Pose, tables: ContactTables, wrench: Floats) -> None:
-    """Add a force f [N] on a contact point to its nodes and minus it to its tooth."""
-    points, force = tables.contact_points, tables.nodes.force
-    store(tables.memory.force, tables.memory.row[i], f)
-    if not tables.on_border:
-        add_to(force, points.node[i, 0], f)
-    else:
-        for c in range(2):
-            add_to(force, points.node[i, c], scale(points.weight[i, c], f))
-    react(f, x, points.tooth[i], pose, wrench)
-
-
-@always_inline
 def _pressure(
     i: int,
     x: Vec3,
@@ -204,8 +191,8 @@ def _pressure(
 @kernel
 def add_press_forces(
     pose: Pose, before: Pose, dt: float, tables: ContactTables, touch: Touch
-) -> float:
-    """Add the forces of the listed contact points to their nodes; return the largest depth [mm].
+) -> None:
+    """Add the forces of the listed contact points to their nodes.
 
     Writes the queries, the memory, and touch, see :class:`.press_term.PressForces`.
     """
@@ -220,8 +207,9 @@ def add_press_forces(
     )
     side, on_border, clock = memory.side, tables.on_border, tables.clock
     if not on_border:  # border segments wait on the same clock, which the nodes have set
-        clock.walked[0] += tool_motion_bound(pose, before, clock.radius)
-        clock.walked[0] += dt * largest_speed(clock.node, tables.nodes.velocity_half)
+        by_film, by_tool = approach(clock, True, tables.nodes.velocity_half, dt, pose, before)
+        clock.walked[0] += by_tool
+        clock.walked[0] += by_film
     walked = clock.walked[0]
     work = stored = deepest = 0.0
     n_touching = 0
@@ -258,6 +246,11 @@ def add_press_forces(
         work += 0.5 * dt * dot(add(old, f), moved)
         store(points.normal, i, outward)
         points.tooth[i], points.pressure[i] = tool.triangle_tooth[triangle], magnitude
-        _put_on(i, x, f, pose, tables, wrench)
+        store(memory.force, row, f)
+        if not on_border:
+            add_to(tables.nodes.force, points.node[i, 0], f)
+        else:
+            for c in range(2):
+                add_to(tables.nodes.force, points.node[i, c], scale(points.weight[i, c], f))
+        react(f, x, points.tooth[i], pose, wrench)
     sums[0], sums[1], sums[2], sums[3] = work, stored, n_touching, deepest
-    return deepest

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.kept import saved_of
 from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
+from shellcut.tool.pose import Pose
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 from .contact_tables import ContactPoints
@@ -43,8 +46,6 @@ class PressTerm(ForceTerm):
         Of the term.
     n_tooth : int
         Teeth of the tool.
-    carriers : ContactPoints
-        Where it presses.
     kept : ndarray, shape (n_row,), optional
         Row that each of its list had in the one before, -1 for none; of nodes, which are known by
         their ids, none.
@@ -55,15 +56,18 @@ class PressTerm(ForceTerm):
         Booking("contact_work", ON_TOOL, -1.0),
     )
     """What the energy balance gets from the sums."""
-    tables: Any
-    """Arguments of its kernel, anew with each list."""
     kept_names: ClassVar[tuple[str, ...]] = ("touch", "carriers")
     """Attributes that a checkpoint keeps, see :mod:`shellcut.numerics.kept`."""
 
-    def __init__(self, name: str, n_tooth: int, carriers: ContactPoints, kept: Ints | None) -> None:
-        self.name, self.carriers, self.kept = name, carriers, kept
+    def __init__(self, name: str, n_tooth: int, kept: Ints | None) -> None:
+        self.name, self.kept = name, kept
+        self.carriers = ContactPoints.of(np.zeros((0, 4), np.int64))
+        """Where it presses."""
         self.touch = Touch.none(n_tooth, len(PressForces._fields) - 1)
-        self._touch = TableWriter()(self.touch)
+        self._touch, self._address_of = TableWriter()(self.touch), TableWriter()
+        self._pose: Pose | None = None
+        self.tables: Any = None
+        """Arguments of its kernel, anew with each list."""
 
     @property
     def forces(self) -> PressForces:

@@ -38,9 +38,10 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-from shellcut.arrays import Floats, SmallIds, Vec3
+from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.bilinear import shape_functions, slopes_by_eta, slopes_by_xi
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import box_around
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add, add_scaled, combine, cross, dot, load, norm, scale, sub
 
@@ -94,7 +95,7 @@ class Closest(NamedTuple):
 
 
 @always_inline
-def corners_of(x: Floats, quads: SmallIds, row: int) -> Corners:
+def corners_of(x: Floats, quads: Ints, row: int) -> Corners:
     """Return the positions of the nodes of a row."""
     return Corners(
         load(x, quads[row, 0]),
@@ -257,10 +258,9 @@ def nearest_on(p: Vec3, sheet: int, band: float, walked: float, tables: SheetTab
 def off_box(p: Vec3, q: Corners) -> float:
     """Return the distance of p from the box around a quad [mm]."""
     square = 0.0
+    low, high = box_around(q.x0, q.x1, q.x2, q.x3)
     for c in range(3):
-        low = min(min(q.x0[c], q.x1[c]), min(q.x2[c], q.x3[c]))
-        high = max(max(q.x0[c], q.x1[c]), max(q.x2[c], q.x3[c]))
-        off = max(max(low - p[c], p[c] - high), 0.0)
+        off = max(max(low[c] - p[c], p[c] - high[c]), 0.0)
         square += off * off
     return sqrt(square)
 

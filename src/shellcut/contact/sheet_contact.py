@@ -45,23 +45,22 @@ from shellcut.arrays import Bools, Floats, Ints, NodeStiffness, StiffnessBy
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.kept import take_over
-from shellcut.numerics.table_address import TableWriter
-from shellcut.state import KnownTopology, State, local_edge_length
+from shellcut.state import KernelNodes, KnownTopology, State, local_edge_length
 from shellcut.state.pieces import Pieces
 from shellcut.tool.pose import Pose
 from shellcut.tool.touch import Booking
 
 from .contact_tables import (
-    ContactNodes,
     ContactPoints,
     Memory,
     Presses,
     SheetTables,
     ToolPoints,
     Waits,
+    carry_over,
 )
 from .film_outline import FilmOutline, Part
-from .near_nodes import ListAge
+from .near_nodes import Clock, ListAge
 from .pair_search import Pairs, PairSearch, Points
 from .penalty_contact import PenaltyContact
 from .press_term import DEEPEST, STORED, WORK, PressTerm
@@ -107,7 +106,6 @@ class SheetContact(PressTerm):
         "_age",
         "_met",
         "_tracked",
-        "_walked",
         "deepest",
         "n_looked",
         "n_search",
@@ -123,25 +121,20 @@ class SheetContact(PressTerm):
         outline: FilmOutline,
     ) -> None:
         nothing = np.zeros(0, np.int64)
-        super().__init__(name, n_tooth, ContactPoints.of(np.zeros((0, 4), np.int64)), nothing)
+        super().__init__(name, n_tooth, nothing)
         self.law, self.points, self._margin, self._outline = law, points, margin, outline
         self._of_tool = n_tooth > 0
-        self._radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
+        radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
+        self._clock = Clock(nothing, np.zeros(1), radius)
         self._pairs, self._memory = Pairs.none(), Memory.blank(0)
-        self._sheet_of_pair: Ints = nothing
-        self._point_of_sheet: Ints = nothing
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
-        self._age = ListAge(0.5 * margin, self._radius if self._of_tool else None)
-        self._pose: Pose | None = None
-        self._walked = 0.0
-        self._find, self._address_of = PairSearch(), TableWriter()
+        self._age = ListAge(0.5 * margin, radius if self._of_tool else None)
+        self._find = PairSearch()
         self._call, self._closest = BoundOnce(add_sheet_forces), BoundOnce(closest_of_pairs)
-        self.tables: SheetTables | None = None
-        """Arguments of the kernel, anew with each search."""
         self.address: Any = None
-        """Their address."""
+        """That of the tables, for the kernels."""
         self.deepest = 0.0
         """Largest depth so far [mm]."""
         self.n_looked = 0
@@ -152,14 +145,12 @@ class SheetContact(PressTerm):
         before, self._pose = self._pose or pose, pose
         if self._age.is_over(state, pose, self._tracked):
             self._search(state, pose)
-        found = self._call.code(pose, before, state.dt, self._walked, self.address, self._touch)
-        self._walked, n_looked = found
+        self.n_looked += self._call.code(pose, before, state.dt, self.address, self._touch)
         self.deepest = max(self.deepest, float(self.touch.sums[DEEPEST]))
-        self.n_looked += n_looked
 
     def point_of_sheet(self) -> Ints:
         """Return the point of every contact point."""
-        return self._point_of_sheet
+        return self._pairs.point_of_sheet
 
     def knows_side(self) -> Bools:
         """Return of every contact point whether its point has a known side of the sheet."""
@@ -186,18 +177,14 @@ class SheetContact(PressTerm):
         self._pairs = self._find.find(points, rows, reach, state)
         n_sheet, n_point = self._pairs.n_sheet, len(self._pairs.point)
         self.kept = self._same_sheets(was, state)
-        to = np.flatnonzero(self.kept >= 0)
-        of = self.kept[to]
         self._memory, self._met = Memory.blank(n_sheet), np.zeros(n_sheet, np.bool_)
         self.carriers = ContactPoints.of(np.zeros((n_sheet, 4), np.int64))
         now = *self._memory[1:], *self.carriers, self._met
-        kept: Any = zip(now, (*had[1:], *had_points, met), strict=True)
-        for new, old in kept if to.size else ():
-            new[to] = old[of]
+        carry_over(now, (*had[1:], *had_points, met), self.kept)
         self._waits = Waits(np.zeros(n_point), np.zeros(len(self._pairs.row)))
         self._presses = Presses.with_room(n_sheet, self._presses)
         self._age.begin(state, pose)
-        self._walked = 0.0
+        self._clock.walked[0] = 0.0
         self.n_search += 1
         self._lay_out(state)
 
@@ -209,13 +196,13 @@ class SheetContact(PressTerm):
         new, kept, n = self._pairs, np.full(self._pairs.n_sheet, -1), state.node
         # There is nothing to remember of most sheets: their points have not come close, or got a
         # side.
-        of_old, of_new = self._sheet_of_pair, new.sheet_of_pair
+        of_old, of_new = old.sheet_of_pair, new.sheet_of_pair
         known = self._memory.side != 0 if self._of_tool else self._met
         met = np.flatnonzero(known[of_old])
         if not met.size or not new.row.size:
             return kept
         of_old, n_row = of_old[met], len(state.quad.nodes)
-        key = self._point_of_sheet[of_old] * n_row + old.row[met]
+        key = old.point_of_sheet[of_old] * n_row + old.row[met]
         point = new.point_of_sheet[of_new]
         fresh = [] if self._of_tool else np.setdiff1d(new.point, old.point).tolist()
         for node in fresh:
@@ -236,7 +223,6 @@ class SheetContact(PressTerm):
     def _lay_out(self, state: State) -> None:
         """Build the kernels' tables, good until the next search."""
         f, pairs, quads = state.flank, self._pairs, state.quad.nodes
-        self._sheet_of_pair, self._point_of_sheet = pairs.sheet_of_pair, pairs.point_of_sheet
         # Film moves as the ends of its flanks and its nodes do, not as virtual nodes swing.
         listed, near = np.zeros(len(quads), np.bool_), np.zeros(len(state.node.x), np.bool_)
         listed[pairs.row] = True
@@ -245,9 +231,9 @@ class SheetContact(PressTerm):
         near[f.node[: f.count]] = listed[f.row[: f.count]]
         if not self._of_tool:
             near[pairs.point] = True
+        self._clock = self._clock._replace(node=np.flatnonzero(near))
         self.tables = SheetTables(
             of_tool=self._of_tool,
-            radius=self._radius,
             law=self.law,
             points=self.points,
             pairs=pairs,
@@ -255,10 +241,10 @@ class SheetContact(PressTerm):
             memory=self._memory,
             met=self._met,
             waits=self._waits,
-            moving=np.flatnonzero(near),
+            clock=self._clock,
             outline=self._outline.of(state),
             quads=quads,
-            nodes=ContactNodes.of(state),
+            nodes=KernelNodes.of(state.node),
             contact_points=self.carriers,
             presses=self._presses,
         )
@@ -278,13 +264,15 @@ class SheetContact(PressTerm):
 
     def saved(self) -> dict[str, Any]:
         """Return pairs, memory and the last forces."""
-        return super().saved() | {"presses": self._presses.saved()}
+        walked = float(self._clock.walked[0])
+        return super().saved() | {"presses": self._presses.saved(), "walked": walked}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`, with the tool at its present pose."""
         take_over(self, self.kept_names, saved)
         self._pose = pose
         self._presses = Presses.with_room(self._pairs.n_sheet, Presses(**saved["presses"]))
+        self._clock.walked[:] = saved["walked"]
         self._lay_out(state)
 
 
@@ -330,10 +318,10 @@ class PointContact(SheetContact):
         if self.tables is None or self._pose is None:
             return np.zeros(0, np.int64), np.zeros(0)
         nodes, pairs = self.tables.nodes, self._pairs
-        sheet, depth = self._sheet_of_pair, self._memory.depth
+        sheet, depth = pairs.sheet_of_pair, self._memory.depth
         within = self._margin + float(depth.max(initial=0.0))
         soon = self._places(within)[:, 0] <= self._margin + depth[sheet]
-        points = self._point_of_sheet[sheet[soon], None]
+        points = pairs.point_of_pair[soon, None]
         key = points * len(nodes.x) + self.tables.quads[pairs.row[soon]]
         point, node = np.divmod(np.unique(key), len(nodes.x))
         p, area = self._pose.to_space(self.points.place)[point], nodes.contact_area[node]
@@ -352,8 +340,8 @@ class PointContact(SheetContact):
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
-        point = self._point_of_sheet[self._sheet_of_pair]
-        return self.points.share[point] * self.nodes.law.of_nodes(area)
+        share = self.points.share[self._pairs.point_of_pair]
+        return share * self.nodes.law.of_nodes(area)
 
 
 class SelfContact(SheetContact):

@@ -14,11 +14,12 @@ from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline, kernel
 from shellcut.numerics.vec3 import add_scaled, add_to, combine, dot, load, scale, store, sub
+from shellcut.state import KernelNodes
 from shellcut.tool.pose import Pose, to_space, turn, turn_back
 from shellcut.tool.touch import Touch, react
 
-from .contact_tables import ContactNodes, Presses, SheetTables
-from .near_nodes import largest_speed, tool_motion_bound
+from .contact_tables import Presses, SheetTables
+from .near_nodes import approach
 from .press_kernel import is_fast, press
 from .quad_distance import (
     Exit,
@@ -37,15 +38,11 @@ _AHEAD = 4.0
 
 
 @kernel
-def add_sheet_forces(
-    pose: Pose, before: Pose, dt: float, walked: float, tables: SheetTables, touch: Touch
-) -> tuple[float, int]:
+def add_sheet_forces(pose: Pose, before: Pose, dt: float, tables: SheetTables, touch: Touch) -> int:
     """Add the forces of all points on the sheets that they touch, and minus these, to the nodes.
 
-    walked : distance that two bodies may have moved towards each other since the search
-    [mm].  Writes memory, waits, contact points, presses and touch, see
-    :class:`.press_term.PressForces`.  Returns the distance walked and the number of points
-    evaluated.
+    Writes memory, clock, waits, contact points, presses and touch, see
+    :class:`.press_term.PressForces`.  Returns the number of points evaluated.
     """
     pose, before, tables = borrowed(pose), borrowed(before), borrowed(tables)
     wrench, sums = borrowed(touch)
@@ -57,10 +54,10 @@ def add_sheet_forces(
         tables.contact_points,
         tables.of_tool,
     )
-    step = dt * largest_speed(tables.moving, nodes.velocity_half)
-    step += tool_motion_bound(pose, before, tables.radius) if rigid else step
-    walked += step
-    ahead = _AHEAD * step
+    by_film, by_other = approach(tables.clock, rigid, nodes.velocity_half, dt, pose, before)
+    step = by_film + by_other
+    tables.clock.walked[0] += step
+    walked, ahead = tables.clock.walked[0], _AHEAD * step
     # Half the work of the last forces, before the new ones are written in their place.
     work, g_m = half_work_of(presses, nodes, dt), law.smoothing_depth
     stored = deepest = 0.0
@@ -121,7 +118,7 @@ def add_sheet_forces(
     presses.n[0] = count
     work += half_work_of(presses, nodes, dt)
     sums[0], sums[1], sums[2], sums[3] = work, stored, count, deepest
-    return walked, n_looked
+    return n_looked
 
 
 @always_inline
@@ -173,7 +170,7 @@ def _forget(sheet: int, side: int, tables: SheetTables) -> None:
 
 
 @inline
-def half_work_of(presses: Presses, nodes: ContactNodes, dt: float) -> float:
+def half_work_of(presses: Presses, nodes: KernelNodes, dt: float) -> float:
     """Return half the work of forces over the last step [N·mm]."""
     work = 0.0
     for i in range(presses.n[0]):
@@ -206,7 +203,7 @@ def _press(at: int, point: int, force: float, exit_point: Exit, tables: SheetTab
 
 
 @always_inline
-def put_on(at: int, which: int, node: int, f: Vec3, nodes: ContactNodes, presses: Presses) -> None:
+def put_on(at: int, which: int, node: int, f: Vec3, nodes: KernelNodes, presses: Presses) -> None:
     """Add a force [N] to a node; write it to a place of row ``at`` of presses."""
     presses.node[at, which] = node
     store(presses.force[at], which, f)

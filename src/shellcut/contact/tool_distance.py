@@ -13,14 +13,14 @@ import numpy as np
 
 from shellcut.arrays import Vec3
 from shellcut.numerics.jit import always_inline, inline
-from shellcut.numerics.vec3 import dot, load, norm, sub
-from shellcut.state import QuadsAtNodes, local_edge_length
+from shellcut.numerics.vec3 import add_scaled, dot, load, norm, sub
+from shellcut.state import KernelNodes, QuadsAtNodes, local_edge_length
 from shellcut.tool.cutting_edge import CUT_DEPTH, NORMAL, segment_part, strip_coordinates
 from shellcut.tool.pose import Pose, to_body
 from shellcut.tool.rounded_depth import rounded_depth
-from shellcut.tool.signed_distance import at_least, closest_of_side
+from shellcut.tool.signed_distance import at_least, closest_of_side, closest_of_solid
 
-from .contact_tables import ContactNodes, ContactTables, ContactTool
+from .contact_tables import ContactTables, ContactTool
 
 # Of the local edge length: quads whose mean centre is farther from the mid-plane lie beside it.
 _CLEARLY_BESIDE = 0.15
@@ -41,11 +41,9 @@ def depth_in_tool(
     outside, and across which rounded edge the depth was found if it is inside.
     """
     tool, queries, grid = tables.tool, tables.queries, tables.tool.grid
-    found, whole, feature, q = closest_of_side(p, 0, grid)
-    offset = sub(p, q)
-    # Inside by the pseudo-normal of the closest face, edge or vertex [Baerentzen2005].
-    if not found or dot(offset, load(grid.surface.pseudo_normals[whole], feature)) >= 0.0:
-        away = norm(offset) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
+    found, inside, whole, q = closest_of_solid(p, grid)
+    if not inside:
+        away = norm(sub(p, q)) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
         queries.until[i] = walked + away - tool.round_off
         return False, whole, whole, 0.0, p, side
     flank, triangle = grid.surface.flank, whole
@@ -56,16 +54,16 @@ def depth_in_tool(
         side = int(flank[whole]) if side == 0 else side
     # The film may be pushed in deeper than the blade is thick: what lies on a flank stays there.
     if side * flank[whole] < 0:
-        _, triangle, feature, q = closest_of_side(p, side, grid)
+        _, triangle, _, q = closest_of_side(p, side, grid)
     g, outward, queries.across[i] = rounded_depth(
-        p, q, triangle, side, tables.rounding, grid, tool.around, queries.across[i]
+        p, q, triangle, side, tables.law.rounding, grid, tool.around, queries.across[i]
     )
     return True, whole, triangle, g, outward, side
 
 
 @inline
 def _side_of_quads(
-    n: int, pose: Pose, tool: ContactTool, nodes: ContactNodes, around: QuadsAtNodes
+    n: int, pose: Pose, tool: ContactTool, nodes: KernelNodes, around: QuadsAtNodes
 ) -> int:
     """Return the side of the blade on which the node's quads clearly lie, or 0."""
     x, segments = nodes.x, tool.segments
@@ -81,7 +79,7 @@ def _side_of_quads(
             k_best = k
     if k_best < 0 or around.n_at[n] == 0:
         return 0
-    cx = cy = cz = sum_of_shares = 0.0
+    centre, sum_of_shares = (0.0, 0.0, 0.0), 0.0
     for i in range(around.n_at[n]):
         sum_of_shares += around.share[around.at[n, i]]
     for i in range(around.n_at[n]):
@@ -89,11 +87,9 @@ def _side_of_quads(
         share = around.share[row] / sum_of_shares
         for a in range(4):
             other, weight = around.quads[row, a], share * around.centre[row, a]
-            cx += weight * x[other, 0]
-            cy += weight * x[other, 1]
-            cz += weight * x[other, 2]
-    centre = to_body((cx, cy, cz), pose)
-    beside = dot(sub(centre, here), segment_part(segments, k_best, NORMAL))
+            centre = add_scaled(centre, weight, load(x, other))
+    gap = sub(to_body(centre, pose), here)
+    beside = dot(gap, segment_part(segments, k_best, NORMAL))
     if abs(beside) < _CLEARLY_BESIDE * size:
         return 0
     return 1 if beside > 0.0 else -1

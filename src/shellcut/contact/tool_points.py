@@ -54,9 +54,11 @@ def tool_points(tool: Tool, edge_length: float, depth: float = np.inf) -> ToolPo
         By which an arc of a cutting edge may stand out between two of its points [mm].
     """
     surface, bow = Surface(tool.vertices, tool.triangles), EdgeBow.of(tool)
-    vertex, turn_at_vertex = _corners(tool, surface, bow.tip)
+    on_cut = np.zeros(tool.n_vertex, np.bool_)
+    on_cut[tool.edges] = True
+    vertex, turn_at_vertex = _corners(tool, surface, bow.tip, on_cut)
     spacing = SPACING * edge_length
-    places, normals, turns, teeth, segments = _along_edges(tool, surface, spacing)
+    places, normals, turns, teeth, segments = _along_edges(tool, surface, on_cut, spacing)
     at_vertex = np.zeros_like(tool.vertices)
     at_vertex[tool.triangles] = ClosestTriangleGrid.of(tool).arrays.surface.pseudo_normals[:, 1:4]
     tooth_of = np.zeros(tool.n_vertex, np.int64)
@@ -90,10 +92,10 @@ def tool_points(tool: Tool, edge_length: float, depth: float = np.inf) -> ToolPo
     )
 
 
-def _corners(tool: Tool, surface: Surface, tip: Bools) -> tuple[Ints, Floats]:
+def _corners(tool: Tool, surface: Surface, tip: Bools, on_cut: Bools) -> tuple[Ints, Floats]:
     """Return the vertices that push, and their largest turn of an edge.
 
-    tip : (n_vertex,), of a cutting edge.
+    tip, on_cut : (n_vertex,), whether a tip of a cutting edge, or on one.
     """
     lo, hi, turn = surface.lo, surface.hi, surface.turn
     least, most = np.full(tool.n_vertex, np.inf), np.full(tool.n_vertex, -np.inf)
@@ -105,14 +107,12 @@ def _corners(tool: Tool, surface: Surface, tip: Bools) -> tuple[Ints, Floats]:
     around = np.zeros(tool.n_vertex)
     np.add.at(around, tool.triangles, angles(to_next, to_last))
     convex = (least > _CONCAVE - _HOLLOW * most) & (2.0 * np.pi - around > _PEAKED)
-    on_cut = np.zeros(tool.n_vertex, np.bool_)
-    on_cut[tool.edges] = True
     pushes = np.flatnonzero((convex & ~on_cut) | tip)
     return pushes, most[pushes]
 
 
 def _along_edges(
-    tool: Tool, surface: Surface, spacing: float
+    tool: Tool, surface: Surface, on_cut: Bools, spacing: float
 ) -> tuple[Floats, Floats, Floats, Ints, Ints]:
     """Return points along the cutting edges and the other convex edges, both ends included.
 
@@ -125,8 +125,6 @@ def _along_edges(
     )
     turn = np.where(segment_of >= 0, np.pi, surface.turn)
     rows = np.flatnonzero(turn > LEAST_TURN)
-    on_cut = np.zeros(tool.n_vertex, np.bool_)
-    on_cut[tool.edges] = True
     start, end = tool.vertices[surface.lo[rows]], tool.vertices[surface.hi[rows]]
     lengths = np.linalg.norm(end - start, axis=1)
     if not lengths.sum() / spacing <= _MOST_POINTS:

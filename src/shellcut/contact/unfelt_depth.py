@@ -17,6 +17,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import are_near, around_runs, box_around
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kernel_tables import check_tables
 from shellcut.numerics.vec3 import combine, cross, dot, load, norm, sub
@@ -38,7 +39,7 @@ _BUNDLE = 64
 _PARTS = 16
 """Of a segment of the film's border; its depth is evaluated where these meet."""
 
-# Fraction of half a quad below which a crossing counts as lying on its border.
+# Weight of a corner of half a quad below which a crossing counts as lying on its border.
 _BORDER = 1e-9
 
 
@@ -49,8 +50,9 @@ class _Wires(NamedTuple):
     """Both ends [mm]."""
     first: Annotated[Ints, "(n_bundle + 1,)"]
     """First wire of each bundle, and the end."""
-    bundles: Annotated[Floats, "(n_bundle, 2, 3)"]
-    """Low and high corners of the boxes around the bundles [mm]."""
+    low: Annotated[Floats, "(n_bundle, 3)"]
+    """Corners of the boxes around the bundles [mm]."""
+    high: Annotated[Floats, "(n_bundle, 3)"]
 
 
 class ToolWires:
@@ -62,9 +64,7 @@ class ToolWires:
         body = tool.triangle_body[first // 3]
         ends = tool.vertices[wires[np.argsort(body, kind="stable")]]
         first = np.append(np.arange(0, len(ends), _BUNDLE), len(ends))
-        low = np.minimum.reduceat(ends.min(axis=1), first[:-1])
-        high = np.maximum.reduceat(ends.max(axis=1), first[:-1])
-        self._wires = _Wires(ends, first, np.stack([low, high], axis=1))
+        self._wires = _Wires(ends, first, *around_runs(ends, first))
         check_tables([self._wires])
 
     def crossed_quads(
@@ -241,70 +241,38 @@ def _deepest_crossings(
             continue
         x0, x1 = to_body(load(x, n0), pose), to_body(load(x, n1), pose)
         x2, x3 = to_body(load(x, n2), pose), to_body(load(x, n3), pose)
-        low, high = _box(x0, x1, x2, x3)
-        for b in range(wires.bundles.shape[0]):
-            if _apart(low, high, wires.bundles, b):
+        low, high = box_around(x0, x1, x2, x3)
+        for b in range(wires.low.shape[0]):
+            if not are_near(low, high, load(wires.low, b), load(wires.high, b), 0.0):
                 continue
             for k in range(wires.first[b], wires.first[b + 1]):
                 start = (wires.ends[k, 0, 0], wires.ends[k, 0, 1], wires.ends[k, 0, 2])
                 end = (wires.ends[k, 1, 0], wires.ends[k, 1, 1], wires.ends[k, 1, 2])
-                apart = False
-                for c in range(3):
-                    p, q = start[c], end[c]
-                    apart = apart or max(p, q) < low[c] or min(p, q) > high[c]
-                if apart:
+                least, most = box_around(start, end, start, end)
+                if not are_near(low, high, least, most, 0.0):
                     continue
-                depth[e] = max(
-                    depth[e],
-                    _crossing_depth(start, end, x0, x1, x2),
-                    _crossing_depth(start, end, x0, x2, x3),
-                )
+                for third, fourth in ((x1, x2), (x2, x3)):
+                    through, _, w_b, w_c = crossing(start, end, x0, third, fourth)
+                    if min(w_b, w_c, 1.0 - w_b - w_c) > _BORDER:
+                        depth[e] = max(depth[e], through)
 
 
 @inline
-def _box(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[Vec3, Vec3]:
-    """Return the low and the high corner of the box around four points."""
-    return (
-        (
-            min(min(a[0], b[0]), min(c[0], d[0])),
-            min(min(a[1], b[1]), min(c[1], d[1])),
-            min(min(a[2], b[2]), min(c[2], d[2])),
-        ),
-        (
-            max(max(a[0], b[0]), max(c[0], d[0])),
-            max(max(a[1], b[1]), max(c[1], d[1])),
-            max(max(a[2], b[2]), max(c[2], d[2])),
-        ),
-    )
+def crossing(
+    start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3
+) -> tuple[float, float, float, float]:
+    """Return where a segment crosses the plane of a triangle, by the weights of b and c there.
 
-
-@inline
-def _apart(low: Vec3, high: Vec3, boxes: Floats, b: int) -> bool:
-    """Return whether a box has no point in common with box b of boxes : (n_box, 2, 3)."""
-    # Branch-free, as in near_nodes.
-    return bool(
-        (high[0] < boxes[b, 0, 0])
-        | (low[0] > boxes[b, 1, 0])
-        | (high[1] < boxes[b, 0, 1])
-        | (low[1] > boxes[b, 1, 1])
-        | (high[2] < boxes[b, 0, 2])
-        | (low[2] > boxes[b, 1, 2])
-    )
-
-
-@inline
-def _crossing_depth(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
-    """Return the depth of a segment through the triangle (a, b, c), 0 if it does not cross."""
-    normal = cross(sub(b, a), sub(c, a))
+    Before these the distance of its nearer end from the plane [mm] and the sine of its angle with
+    the plane; zeros, and weights of -1, if both ends are on one side of it.
+    """
+    normal, vector = cross(sub(b, a), sub(c, a)), sub(end, start)
     d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
     if d0 * d1 >= 0.0:
-        return 0.0
-    p = combine(1.0, start, d0 / (d0 - d1), sub(end, start))
-    border = _BORDER * dot(normal, normal)
-    if (
-        dot(cross(sub(b, a), sub(p, a)), normal) <= border
-        or dot(cross(sub(c, b), sub(p, b)), normal) <= border
-        or dot(cross(sub(a, c), sub(p, c)), normal) <= border
-    ):
-        return 0.0
-    return min(abs(d0), abs(d1)) / norm(normal)
+        return 0.0, 0.0, -1.0, -1.0
+    p = combine(1.0, start, d0 / (d0 - d1), vector)
+    area = dot(normal, normal)
+    w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
+    w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
+    sine = abs(d0 - d1) / (norm(normal) * norm(vector))
+    return min(abs(d0), abs(d1)) / norm(normal), sine, w_b, w_c

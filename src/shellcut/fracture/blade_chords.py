@@ -8,15 +8,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from shellcut.arrays import Floats, product, unit
-from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 from shellcut.tool.cutting_edge import BACK, VECTOR
 
-from .begun_cut import Begun
 from .blade_drive import BladeDrive
 from .crack_path import NEAR, CrackPath
 from .quad_polygon import WHOLE, Point, corner_at, onto_boundary, side_at
-from .tip import Segment, Tip
+from .tip import Begun, Segment, Tip
 
 # Of the parametric square: a ray from there leaves a quad by two sides.
 _INNER = 0.75
@@ -41,7 +39,15 @@ class BladeChords:
         row, place, edge, pierced = begun
         starts = [(row, place)]
         if pierced is not None:
-            starts += self._around(state, row, place)
+            # The whole rows that touch a place on the boundary: a ray from there leads through one
+            # of them, and the opposite one through another.
+            topology = self._film.topology
+            starts += [
+                at
+                for at in self._film.rows_at(topology.parent(row), onto_boundary(place))
+                if topology.polygon(at[0]) == WHOLE
+                and not state.node.halved[state.quads[at[0]]].any()
+            ]
         if self._film.sides_only:
             within = NEAR if pierced is None else np.inf
             yield from self._along_sides(state, starts, edge, within)
@@ -84,19 +90,6 @@ class BladeChords:
             if side is not None:
                 yield side.reversed(), side
 
-    def _around(self, state: State, row: int, place: Point) -> list[tuple[int, Point]]:
-        """Return the whole rows that touch a place on the boundary of one, and where it is in each.
-
-        A ray from there leads through one of them and the opposite one through another.
-        """
-        on = self._film.rows_at(self._film.topology.parent(row), onto_boundary(place))
-        return [
-            at
-            for at in on
-            if self._film.topology.polygon(at[0]) == WHOLE
-            and not state.node.halved[state.quads[at[0]]].any()
-        ]
-
     def _towards(
         self,
         state: State,
@@ -116,8 +109,7 @@ class BladeChords:
         segment = self._path.segment(state, row, place, along, lean)
         if segment is None:
             return []
-        gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*place))
-        heading = product(gap, state.node.X[state.quads[row]])
+        heading = product(segment.weights, state.node.X[state.quads[row]])
         ends = self._film.oncoming(row, place, unit(heading), tips)
         joined = self._path.segment(state, row, place, along, lean, ends) if ends else None
         return [segment] if joined is None else [joined, segment]

@@ -141,10 +141,6 @@ class BladeDrive:
         Q, q = self._film.pose(now)
         return product(Q, R), product(Q, r) + q, product(Q, spin), product(Q, velocity)
 
-    def _foreseen(self, later: float, now: float) -> float:
-        """Return a time, or the last before it up to which a moving film is followed."""
-        return later if self._film is None else min(later, now + _FORESEEN * self._film.tick)
-
     def find(
         self,
         x: Floats,
@@ -169,6 +165,8 @@ class BladeDrive:
         for part, value in zip(parts, self._seen_from_film(time, time), strict=True):
             part[:] = value
         found.time[:], found.has_next[:] = time, True
+        # Up to which a film that moves is followed.
+        latest = np.inf if self._film is None else time + _FORESEEN * self._film.tick
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
         tried = x, size, self._edges_address, self._driven_address, reach
@@ -177,7 +175,7 @@ class BladeDrive:
             if not count:
                 break
             for i in np.flatnonzero(found.has_next).tolist():
-                later = found.time[i] = self._foreseen(float(found.time[i]), time)
+                later = found.time[i] = min(float(found.time[i]), latest)
                 there = self._seen_from_film(later, time)
                 for part, value in zip(parts, there, strict=True):
                     part[i] = value

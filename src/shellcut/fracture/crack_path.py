@@ -18,11 +18,11 @@ import numpy as np
 from shellcut.arrays import Floats, product, unit
 from shellcut.numerics.jit import BoundOnce
 from shellcut.numerics.table_address import TableWriter
-from shellcut.state import KnownTopology, State
+from shellcut.state import OncePerTopology, State
 
 from .cut_film import CutFilm, End
 from .cut_state import nodes_at
-from .quad_polygon import CORNERS, FLANK, Point, along_side, corner_at, on_side
+from .quad_polygon import CORNERS, FLANK, Point, along_side, ascending, corner_at, on_side
 from .ray_ahead import ALONG_SIDE, AT_CROSSING, AT_END, AT_POINT, Aimed, leave
 from .rows_ahead import RowsAhead, table_of
 from .tip import Segment, Tip
@@ -38,8 +38,9 @@ class CrackPath:
 
     def __init__(self, film: CutFilm) -> None:
         self.film = film
-        self._leave, self._known = BoundOnce(leave), KnownTopology()
-        self._tables: dict[tuple[Tip, ...], Any] = {}  # rows ahead, laid out for the kernel
+        self._leave = BoundOnce(leave)
+        # Rows ahead, laid out for the kernel.
+        self._tables = OncePerTopology[dict[tuple[Tip, ...], Any]](lambda _: {})
         self._address_of, self._aimed = TableWriter(), Aimed.of(1)
         self._aimed_address = TableWriter()(self._aimed)
 
@@ -56,17 +57,13 @@ class CrackPath:
         lean : of the plane in which it lies, see :mod:`.ray_ahead`.  others : tips that it may
         join.
         """
-        if not self._known.is_of(state):
-            self._tables.clear()
-            self._known.take(state)
-        of = tip, *others
-        if of not in self._tables:
+        tables, of = self._tables.of(state), (tip, *others)
+        if of not in tables:
             ahead = self.film.rows_ahead(tip)
             ends = [self.film.oncoming(row, entry, tip.heading, others) for row, entry in ahead]
-            self._tables[of] = None
-            if ahead:
-                self._tables[of] = self._address_of(table_of(state, self.film, ahead, ends))
-        table = self._tables[of]
+            found = self._address_of(table_of(state, self.film, ahead, ends)) if ahead else None
+            tables[of] = found
+        table = tables[of]
         return None if table is None else self._segment(state, table, direction, lean)
 
     def segment(
@@ -163,7 +160,9 @@ class CrackPath:
             node = ring[end.corner]
             tip = Tip((node, node), 0.0, quad, heading)
         else:
-            tip = Tip(*end.on_side_of(ring), quad, heading)
+            a, b, s = ring[end.side], ring[(end.side + 1) % 4], along_side(end.side, end.exit)
+            a, b, s = ascending(a, b, s)
+            tip = Tip((a, b), s, quad, heading)
         return tip if self.film.rows_ahead(tip) else None
 
     def tip_across(self, state: State, end: Segment, heading: Floats) -> Tip | None:
@@ -173,7 +172,7 @@ class CrackPath:
 
         heading : (3,), direction of the segment in the reference film.
         """
-        along = self.film.direction_of(state, end)
+        along = unit(product(end.weights, state.node.x[state.quads[end.row]]))
         touching = self.film.rows_at(self.film.topology.parent(end.row), end.exit)
         ahead = next((at for at in touching if self.segment(state, *at, along) is not None), None)
         if ahead is None:

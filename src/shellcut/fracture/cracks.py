@@ -44,8 +44,7 @@ from .free_direction import FreeDirection
 from .growth import Growth
 from .options import Fracture
 from .pierce import Pierce
-from .pierce_limits import PierceLimits
-from .puncture import Puncture
+from .puncture import PierceLimits, Puncture
 from .quad_polygon import corner_at
 from .segment_cables import AT_ENDS, BEFORE_AN_EDGE
 from .side_tears import LargestStress, SideTears
@@ -117,8 +116,6 @@ class Cracks:
         puncture = Puncture.of(shell.material, law)
         self.bending_length = puncture.length
         """Length over which the film bends where its tension is the strength [mm]."""
-        self._watch: TipWatch
-        self._pierce: Pierce
         has_edge = tool is not None and tool.n_edge > 0 and motion is not None
         self._blade_cuts = has_edge and fracture.blade_cut
         """Whether cutting edges drive cracks and begin cuts; if not, all cracks are tears."""

@@ -28,13 +28,13 @@ from .quad_polygon import (
     along_side,
     common_side,
     corner_at,
+    edge_at,
     edges,
     fraction_between,
     has_corner,
     on_side,
     shape_slopes,
     side_at,
-    side_of,
     span,
 )
 from .tip import Place, Segment, Tip
@@ -129,7 +129,7 @@ class CutFilm:
                 for row, at, up in topology.rows_beside(a, b)
                 if topology.parent(row) != quad and not up
             ]
-        return [(row, at) for row, at in mine if side_of(topology.polygon(row), at) is not None]
+        return [(row, at) for row, at in mine if edge_at(topology.polygon(row), at) >= 0]
 
     def _rows_at_node(self, node: int) -> list[tuple[int, Point]]:
         """Return the rows whose film reaches a node of the mesh, and the corner there."""
@@ -219,10 +219,9 @@ class CutFilm:
     def place_in(self, state: State, row: int, place: Point) -> Place:
         """Return where a place of a row is now."""
         weights, nodes = np.array(shape_functions(*place)), state.quads[row]
-        t = product(weights, state.node.t[nodes])
         return Place(
             product(weights, state.node.x[nodes]),
-            unit(t),
+            unit(product(weights, state.node.t[nodes])),
             self.size(row),
             self.reference_director(row, place),
         )
@@ -232,11 +231,6 @@ class CutFilm:
         at = self.place_in(state, row, place)
         before = product(np.array(shape_functions(*place)), state.node.X[state.quads[row]])
         return abs(float(product(at.x - before, at.T)))
-
-    def direction_of(self, state: State, segment: Segment) -> Floats:
-        """Return the unit direction of a segment in space, shape (3,)."""
-        gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
-        return unit(product(gap, state.node.x[state.quads[segment.row]]))
 
     def reference_director(self, row: int, place: Point) -> Floats:
         """Return the unit director at a place of a row in the reference film, shape (3,)."""

@@ -184,14 +184,7 @@ class CutTopology:
         """Return the classes of corners around a node of the mesh, each ascending."""
         corners = self.corners_at(node)
         place = {row: i for i, (row, _) in enumerate(corners)}
-        leader = list(range(len(corners)))
-
-        def find(i: int) -> int:
-            while leader[i] != i:
-                leader[i] = leader[leader[i]]
-                i = leader[i]
-            return i
-
+        group = list(range(len(corners)))
         ends: dict[int, list[tuple[int, int]]] = {}  # far node -> (quad, side) that lead there
         for quad, ring in self._quads_around(node):
             a = ring.index(node)
@@ -204,11 +197,11 @@ class CutTopology:
             for row in self.rows_of(own):
                 for beside in self.rows_of(other):
                     if self._overlap(row, side, beside, other_side):
-                        i, j = sorted((find(place[row]), find(place[beside])))
-                        leader[j] = i
+                        mine, yours = group[place[row]], group[place[beside]]
+                        group = [mine if of == yours else of for of in group]
         found: dict[int, list[Corner]] = {}
-        for i, corner in enumerate(corners):
-            found.setdefault(find(i), []).append(corner)
+        for of, corner in zip(group, corners, strict=True):
+            found.setdefault(of, []).append(corner)
         return [sorted(members) for members in found.values()]
 
     def is_real(self, members: Iterable[Corner]) -> bool:

@@ -85,7 +85,9 @@ class Cuts:
 
         kind, measure : as in :class:`shellcut.state.SplitRecord`; a notch has no cables.
         """
-        topology, shell, length = self.topology, self._shell, _length(state, segment)
+        topology, shell, nodes = self.topology, self._shell, state.quads[segment.row]
+        X = state.node.X[nodes]
+        length = float(norm(product(segment.weights, X)))
         if segment.along_side:
             side, part = side_under(shell, segment)
             rows, chords = rows_along(topology, side, part)
@@ -97,32 +99,39 @@ class Cuts:
             chords = [(segment.entry, segment.exit)] * 2
             corners = shell.mesh_quads[segment.row].tolist()
             self._cables.follow(state, topology, *rows)
-        entry, nodes = np.array(shape_functions(*segment.entry)), state.quads[segment.row]
-        exit_, X = np.array(shape_functions(*segment.exit)), state.node.X[nodes]
-        places = product(entry, state.node.x[nodes]), product(entry, X), product(exit_, X)
-        _write_down(state, places, rows, kind, measure)
+        entry, exit_ = shape_functions(*segment.entry), shape_functions(*segment.exit)
+        start, stop = product(entry, X), product(exit_, X)
+        state.split_log.append(
+            SplitRecord(
+                time=state.time,
+                node=-1,
+                twin=-1,
+                place=tuple(product(entry, state.node.x[nodes]).tolist()),
+                reference=tuple(start.tolist()),
+                end=tuple(stop.tolist()),
+                kind=kind,
+                measure=measure,
+                force_jump=0.0,
+                rows=tuple(rows),
+            )
+        )
+        state.revision += 1
         renew_nodes(state, shell, topology, corners)
-        if segment.along_side:
-            self._name_halves(state, rows, chords)
+        minus, plus = (
+            nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
+        )
+        # Which node has parted at the start of a side that has been broken.
+        if segment.along_side and minus != plus and corner_at(chords[0][0]) >= 0:
+            node, duplicate = sorted(minus | plus)
+            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=duplicate)
         if kind != NOTCH:
             self._cables.lay(state, rows, chords, length)
             state.crack_length += length
-        return Cut(rows, chords, (places[2] - places[1]) / length, length, kind)
+        return Cut(rows, chords, (stop - start) / length, length, kind)
 
     def renew(self, state: State) -> None:
         """Bring cables and flank points to the nodes that the last cuts have made."""
         self._cables.renew(state, self._shell.area)
-
-    def _name_halves(
-        self, state: State, rows: list[int], chords: list[tuple[Point, Point]]
-    ) -> None:
-        """Write down which node has parted at the start of a side that has been broken."""
-        minus, plus = (
-            nodes_at(state, row, chord[0]) for row, chord in zip(rows, chords, strict=True)
-        )
-        if minus != plus and corner_at(chords[0][0]) >= 0:
-            node, duplicate = sorted(minus | plus)
-            state.split_log[-1] = replace(state.split_log[-1], node=node, twin=duplicate)
 
     def hand_over(
         self, state: State, cut: Cut, forces: Sequence[Floats], first: int, *, exactly: bool
@@ -171,38 +180,3 @@ class Cuts:
         self.topology.restore(saved["topology"])
         self._share_loads(self.topology.cut_rows())
         self._cables.restore()
-
-
-def _length(state: State, segment: Segment) -> float:
-    """Return the length of a segment in the reference film [mm]."""
-    gap = np.array(shape_functions(*segment.exit)) - np.array(shape_functions(*segment.entry))
-    return float(norm(product(gap, state.node.X[state.quads[segment.row]])))
-
-
-def _write_down(
-    state: State,
-    places: tuple[Floats, Floats, Floats],
-    rows: list[int],
-    kind: str,
-    measure: float,
-) -> None:
-    """Write a record of a cut.
-
-    places : (3,) each, of its start in space and in the reference, and of its end in the reference.
-    """
-    place, reference, end = (tuple(x.tolist()) for x in places)
-    state.split_log.append(
-        SplitRecord(
-            time=state.time,
-            node=-1,
-            twin=-1,
-            place=place,
-            reference=reference,
-            end=end,
-            kind=kind,
-            measure=measure,
-            force_jump=0.0,
-            rows=tuple(rows),
-        )
-    )
-    state.revision += 1

@@ -27,6 +27,7 @@ from .quad_polygon import (
     FLANK,
     Point,
     along_side,
+    ascending,
     corner_at,
     edges,
     fraction_between,
@@ -156,14 +157,9 @@ class _Outlines:
             parent = self._topology.parent(row)
             weight = shape_functions(*place)
             return self._numbered((row, *at), ring, weight, (parent, *at))
-        a, b = ring[side], ring[(side + 1) % 4]
-        s = along_side(side, place)
-        if a > b:
-            a, b, s = b, a, 1.0 - s
+        a, b, s = ascending(ring[side], ring[(side + 1) % 4], along_side(side, place))
         origin = self._state.node.origin
-        i, j, of_reference = int(origin[a]), int(origin[b]), s
-        if i > j:
-            i, j, of_reference = j, i, 1.0 - s
+        i, j, of_reference = ascending(int(origin[a]), int(origin[b]), s)
         reference = i, j, -1, round(of_reference, _DIGITS)
         if reference not in self._references:
             self._on.setdefault((i, j), []).append(of_reference)

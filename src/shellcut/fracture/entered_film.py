@@ -15,25 +15,26 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
-from shellcut.contact.near_nodes import NearNodes, in_box
+from shellcut.contact.near_nodes import NearNodes
+from shellcut.contact.unfelt_depth import crossing
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import in_box
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kept import Kept
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, scale, sub
+from shellcut.numerics.vec3 import add, cross, dot, load, scale, sub
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
 from shellcut.tool.pose import Pose, to_body, turn
 
-from .begun_cut import Begun
 from .cut_film import CutFilm
 from .open_edges import boundary_edges
 from .quad_polygon import AWAY
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
-from .tip import Segment
+from .tip import Begun, Segment
 
 NEAR_A_TIP = 2.0
 """A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives
@@ -92,7 +93,8 @@ class EnteredFilm(Kept):
         n_most = len(ends) * _CANDIDATES
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
         self._place = np.zeros((n_most, 2))
-        self._rows = self._first = np.zeros(0, np.int64)
+        self._first: Ints = np.zeros(0, np.int64)
+        self._rows = self._first
         self._listed = -1  # search whose nodes the rows are of
         self._near = NearNodes(self._low, self._high, size)
         self._addresses = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
@@ -105,7 +107,9 @@ class EnteredFilm(Kept):
         """
         self._near.renew(state, pose)
         if self._listed != self._near.n_search:
-            self._list(state)
+            self._listed = self._near.n_search
+            self._rows = self._rows_near(state)
+            self._first = state.quads[self._rows, 0].astype(np.int64)
         row, segment, place = self._row, self._segment, self._place
         edges, quad, chord = self._addresses
         n_found = self._find(
@@ -145,36 +149,19 @@ class EnteredFilm(Kept):
         super().restore(saved)
         self._listed = -1
 
-    def _list(self, state: State) -> None:
-        """List the whole rows near the tool without a node at a flank, by their first nodes.
+    def _rows_near(self, state: State) -> Ints:
+        """Return the whole rows near the tool without a node at a flank.
 
         Those at the border and next to rows at a flank; all of them if the tool's points do not
         press.
         """
-        self._listed = self._near.n_search
         quads, near = state.quads, np.zeros(state.n_node, np.bool_)
         near[self._near.ids] = True
         at_flank = state.node.halved[quads].any(axis=1)
         may = near[quads[:, 0]] & (state.quad.share[: state.n_quad] >= 1.0) & ~at_flank
         self._open = np.full(state.n_node, self._everywhere)
         self._open[self._at_border] = self._open[quads[at_flank]] = True
-        may &= self._open[quads].any(axis=1)
-        self._rows = np.flatnonzero(may)
-        self._first = quads[self._rows, 0].astype(np.int64)
-
-
-@inline
-def _weights(start: Vec3, end: Vec3, a: Vec3, b: Vec3, c: Vec3) -> tuple[bool, float, float]:
-    """Return whether a segment crosses a triangle, and the weights of b and c there."""
-    normal, vector = cross(sub(b, a), sub(c, a)), sub(end, start)
-    d0, d1 = dot(sub(start, a), normal), dot(sub(end, a), normal)
-    area, rise = dot(normal, normal), d0 - d1
-    if d0 * d1 >= 0.0 or rise * rise < _FLAT * _FLAT * area * dot(vector, vector):
-        return False, 0.0, 0.0
-    p = combine(1.0, start, d0 / rise, vector)
-    w_b = dot(cross(sub(a, c), sub(p, c)), normal) / area
-    w_c = dot(cross(sub(b, a), sub(p, a)), normal) / area
-    return w_b >= 0.0 and w_c >= 0.0 and w_b + w_c <= 1.0, w_b, w_c
+        return np.flatnonzero(may & self._open[quads].any(axis=1))
 
 
 @inline
@@ -283,12 +270,12 @@ def _entered(
                 start = segment_part(segments, k, START)
                 end = add(start, segment_part(segments, k, VECTOR))
                 # The quad as two triangles, whose weights give its xi and eta.
-                hit, w1, w2 = _weights(start, end, corner, second, third)
+                _, sine, w1, w2 = crossing(start, end, corner, second, third)
                 xi, eta = 2.0 * (w1 + w2) - 1.0, 2.0 * w2 - 1.0
-                if not hit:
-                    hit, w1, w2 = _weights(start, end, corner, third, fourth)
+                if sine < _FLAT or min(w1, w2, 1.0 - w1 - w2) < 0.0:
+                    _, sine, w1, w2 = crossing(start, end, corner, third, fourth)
                     xi, eta = 2.0 * w1 - 1.0, 2.0 * (w1 + w2) - 1.0
-                if not hit:
+                if sine < _FLAT or min(w1, w2, 1.0 - w1 - w2) < 0.0:
                     continue
                 xi, eta = _off_sides(xi), _off_sides(eta)
                 plane = turn(segment_part(segments, k, NORMAL), pose)

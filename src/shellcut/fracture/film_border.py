@@ -18,6 +18,7 @@ from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import BROKEN, State
 
 from .cut_topology import CutTopology
+from .open_edges import of_one_polygon
 from .quad_polygon import FLANK, Point, beyond, edges, on_side
 
 SAME = 1e-5
@@ -45,10 +46,7 @@ class FilmBorder:
 
     def __init__(self, shell: MITC4Shell, topology: CutTopology) -> None:
         self._shell, self._topology = shell, topology
-        mesh = shell.mesh_quads  # nothing is cut yet
-        pairs = np.sort(np.stack([mesh, np.roll(mesh, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-        _, at, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-        self._is_outer = (count[at.reshape(-1)] == 1).reshape(-1, 4)
+        _, self._is_outer = of_one_polygon(shell.mesh_quads, len(shell.reference.x))
         self._same = SAME * float(np.sqrt(shell.area.min()))
         self.find()
 

@@ -23,8 +23,8 @@ from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import add_scaled, load, store
-from shellcut.state import KnownTopology, State
+from shellcut.numerics.vec3 import mean_of, store
+from shellcut.state import OncePerTopology, State
 
 from .quad_polygon import UNUSED, Point
 
@@ -43,26 +43,22 @@ class FlankPoints:
     """Keeps the flank points at their places, and hands on their forces."""
 
     def __init__(self) -> None:
-        self._known = KnownTopology()
-        self._tied: _Tied | None = None
+        self._tied = OncePerTopology(self._laid_out)
         self._address_of = TableWriter()
         self._interpolate = BoundOnce(_interpolate)
         self._hand_on = BoundOnce(_hand_on)
 
     def follow(self, state: State) -> None:
         """Give all flank points the positions of their copies, and the velocities so far."""
-        self._interpolate(self._of(state), state.node.x, state.node.velocity_half)
+        self._interpolate(self._tied.of(state), state.node.x, state.node.velocity_half)
 
     def hand_on_forces(self, state: State) -> None:
         """Add the forces on all flank points to those of the nodes they are tied to."""
-        self._hand_on(self._of(state), state.node.force_rows)
+        self._hand_on(self._tied.of(state), state.node.force_rows)
 
-    def _of(self, state: State) -> _Tied:
-        if self._tied is None or not self._known.is_of(state):
-            f = state.flank
-            self._tied = self._address_of(_Tied(f.count, f.node, f.nodes, f.weight))
-            self._known.take(state)
-        return self._tied
+    def _laid_out(self, state: State) -> _Tied:
+        f = state.flank
+        return self._address_of(_Tied(f.count, f.node, f.nodes, f.weight))
 
 
 def add_flank_point(state: State, row: int, place: Point, inward: Point) -> int:
@@ -225,13 +221,8 @@ def _interpolate(tied: _Tied, x: Floats, velocity: Floats) -> None:
     """Write x and velocity : (n_node, 3) of all flank points from those of their nodes."""
     tied = borrowed(tied)
     for k in range(tied.n):
-        place, moves = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for a in range(4):
-            weight, node = tied.weight[k, a], tied.nodes[k, a]
-            place = add_scaled(place, weight, load(x, node))
-            moves = add_scaled(moves, weight, load(velocity, node))
-        store(x, tied.node[k], place)
-        store(velocity, tied.node[k], moves)
+        store(x, tied.node[k], mean_of(x, tied.nodes, tied.weight, k))
+        store(velocity, tied.node[k], mean_of(velocity, tied.nodes, tied.weight, k))
 
 
 @kernel

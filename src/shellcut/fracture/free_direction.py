@@ -228,13 +228,16 @@ class FreeDirection:
         known, force = gives_back(self._shell.material), None
         if known and domain.room > LEAST * size:
             force = TipForce(state, self._shell, domain, base)
+        factors = np.ones(len(_DIRECTIONS))
+        if self._anisotropy is not None:
+            factors = self._anisotropy.factors(product(_DIRECTIONS, base), T)
         width = max(AVERAGE, zone) * size
         near, weight = self._near(state, domain.rows, place, forward, width)
         return _Ahead(
             rows=np.array([row for row, _ in rows]),
             weights=share * np.array([shape_functions(*entry) for _, entry in rows]),
             base=share * np.array([[continued(*at, along) for at in rows] for along in base]),
-            factors=self._factors(base, T),
+            factors=factors,
             force=force,
             straight=known and force is None,
             quads=near,
@@ -258,12 +261,6 @@ class FreeDirection:
         weight = each(math.exp, -0.5 * squared / width**2)
         weight *= self._shell.area[near] * state.quad.share[near]
         return near, weight / max(float(weight.sum()), _TINY)
-
-    def _factors(self, base: Floats, T: Floats) -> Floats:
-        """Return the factors on strength and energy in these directions, shape (n_direction,)."""
-        if self._anisotropy is None:
-            return np.ones(len(_DIRECTIONS))
-        return self._anisotropy.factors(product(_DIRECTIONS, base), T)
 
     def _pull(self, state: State, ahead: _Ahead, t: Floats, directions: Floats) -> Floats:
         """Return how much the mean stress ahead pulls across some directions [MPa], shape (n,).

@@ -13,7 +13,7 @@ from shellcut.state import NOTCH, State
 from .growth import Growth
 from .notch_line import NotchLine, row_at
 from .open_edges import boundary_edges
-from .quad_polygon import AWAY, WHOLE
+from .quad_polygon import AWAY, WHOLE, ascending
 from .ray_ahead import SNAP
 from .tip import Place, Tip
 
@@ -115,6 +115,6 @@ def _border_tip(state: State, start: Floats, end: Floats) -> Tip | None:
             if at_end is not None:
                 found = Tip((at_end, at_end), 0.0, -1, direction)
             else:
-                ends, s = ((a, b), s) if a < b else ((b, a), 1.0 - s)
-                found = Tip(ends, float(s), -1, direction)
+                a, b, s = ascending(a, b, float(s))
+                found = Tip((a, b), s, -1, direction)
     return found

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Ints, product
+from shellcut.arrays import Bools, Ints, product
 from shellcut.state import State
 
 
 def boundary_edges(state: State) -> Ints:
     """Return the edges with one quad, shape (n, 2), each in the direction of its quad."""
-    return _with_one_quad(state.quads, state.n_node)
+    edges, alone = of_one_polygon(state.quads, state.n_node)
+    return np.asarray(edges[alone])
 
 
 def crack_edges(polygons: Ints, origin: Ints) -> Ints:
@@ -29,7 +30,8 @@ def crack_edges(polygons: Ints, origin: Ints) -> Ints:
     origin : ndarray of int, shape (n_point,)
         The same for points that were one before the film was cut.
     """
-    pair = _with_one_quad(polygons, origin.size)
+    edges, alone = of_one_polygon(polygons, origin.size)
+    pair = edges[alone]
     backwards = origin[pair[:, 0]] > origin[pair[:, 1]]
     pair[backwards] = pair[backwards, ::-1]
     key = product(origin[pair], np.array([int(origin.max()) + 1, 1]))
@@ -51,9 +53,13 @@ def crack_tips(state: State) -> dict[int, int]:
     return dict(sorted(zip(flanks[edge, 0, end].tolist(), far.tolist(), strict=True)))
 
 
-def _with_one_quad(polygons: Ints, n_point: int) -> Ints:
-    edges = np.stack([polygons, np.roll(polygons, -1, axis=1)], axis=2).reshape(-1, 2)
-    edges = edges[edges[:, 0] != edges[:, 1]]
-    key = product(np.sort(edges, axis=1), np.array([n_point, 1]))
+def of_one_polygon(polygons: Ints, n_point: int) -> tuple[Ints, Bools]:
+    """Return the edges from each point to the next, and which belong to one polygon only.
+
+    polygons : (n, n_corner), whose shape the results have; a repeated point has no edge.
+    """
+    edges = np.stack([polygons, np.roll(polygons, -1, axis=1)], axis=2)
+    key = product(np.sort(edges, axis=2), np.array([n_point, 1]))
     _, inverse, count = np.unique(key, return_inverse=True, return_counts=True)
-    return np.asarray(edges[count[inverse] == 1])
+    alone = count[inverse.reshape(key.shape)] == 1
+    return edges, alone & (edges[..., 0] != edges[..., 1])

@@ -20,14 +20,14 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .begun_cut import Begun
 from .blade_chords import BladeChords
 from .blade_drive import BladeDrive
 from .entered_film import EnteredFilm
 from .growth import Growth
-from .pierce_limits import PierceLimits
 from .pressed_film import PressedFilm
+from .puncture import PierceLimits
 from .quad_polygon import WHOLE
+from .tip import Begun
 
 
 class Pierce(Kept):

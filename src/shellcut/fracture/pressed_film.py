@@ -13,11 +13,10 @@ straight. The force on a tip does not depend on the mesh, which the stress under
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, product, unit
+from shellcut.arrays import Floats, norm, product, unit
 from shellcut.contact.press_term import TOUCHING
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
@@ -29,11 +28,11 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
-from .begun_cut import Begun, Pierced
 from .cut_film import CutFilm
 from .entered_film import NEAR_A_TIP
-from .pierce_limits import PierceLimits, PlaceLimits
 from .pressing_tips import PressingTips
+from .puncture import PierceLimits, PlaceLimits
+from .tip import Begun, Pierced
 
 # Cosine of the angle between forces that press the film in the same direction.
 _SAME_DIRECTION = 0.5
@@ -84,7 +83,7 @@ class PressedFilm(Kept):
         tips : (n, 3), where the cracks end that an edge drives [mm].
         """
         points, places = self._points, self._places
-        loads = _Loads.on_tips(points, places, self._limits.puncture.length, state, pose)
+        loads = _loads_on_tips(points, places, self._limits.puncture.length, state, pose)
         self._means.follow(state, pose, loads)
         if not points.touch.sums[TOUCHING]:
             return []
@@ -164,64 +163,33 @@ class PressedFilm(Kept):
         return float(product(product(stress, across), across))
 
 
-class _Loads(NamedTuple):
-    """All that presses on the film at its points, and at its nodes."""
+def _loads_on_tips(
+    points: PointContact, limits: PlaceLimits, length: float, state: State, pose: Pose
+) -> dict[int, float]:
+    """Return the force on each place of a tip or an arc [N], by its row of contact points.
 
-    sheet: Ints
-    """Row among the contact points, -1 of a node, shape (n_load,)."""
-    place: Floats
-    """In the body frame, shape (n_load, 3) [mm]."""
-    normal: Floats
-    """Direction on the film, likewise, shape (n_load, 3)."""
-    arc: Ints
-    """Of a cutting edge, -1 for none, shape (n_load,)."""
-    force: Floats
-    """Shape (n_load,) [N]."""
-
-    @classmethod
-    def of(cls, points: PointContact, state: State, pose: Pose) -> _Loads:
-        """Return those of the last evaluation."""
-        on, nodes = points.carriers, points.nodes.carriers
-        sheets, pressed = np.flatnonzero(on.pressure > 0.0), np.flatnonzero(nodes.pressure > 0.0)
-        point = points.point_of_sheet()[sheets]
-        at_nodes = pose.to_body(state.node.x[nodes.node[pressed, 0]])
-        none = np.full(len(pressed), -1)
-        return cls(
-            np.concatenate([sheets, none]),
-            np.concatenate([points.points.place[point], at_nodes]),
-            np.concatenate([on.normal[sheets], nodes.normal[pressed]]),
-            np.concatenate([points.points.arc[point], none]),
-            np.concatenate([on.pressure[sheets], nodes.pressure[pressed]]),
-        )
-
-    @classmethod
-    def on_tips(
-        cls, points: PointContact, limits: PlaceLimits, length: float, state: State, pose: Pose
-    ) -> dict[int, float]:
-        """Return the force on each place of a tip or an arc [N], by its row of contact points.
-
-        length : L of the film [mm].
-        """
-        on, point = points.points, points.point_of_sheet()
-        is_tip = np.isfinite(limits.force[point])
-        sheets = np.flatnonzero(is_tip & (points.carriers.pressure > 0.0)).tolist()
-        if not sheets:
-            return {}
-        loads, found = cls.of(points, state, pose), {}
-        for sheet in sheets:
-            k = int(point[sheet])
-            area = state.node.contact_area[points.carriers.node[sheet]].mean()
-            wide = limits.width[k] + local_edge_length(float(area)) if on.radius[k] > 0.0 else 0.0
-            found[sheet] = loads.near(sheet, length, wide)
-        return found
-
-    def near(self, sheet: int, length: float, wide: float) -> float:
-        """Return what presses the film in the same direction within a length of a point [N].
-
-        Of the points of its own arc within ``wide``, too [mm].
-        """
-        own = int(np.flatnonzero(self.sheet == sheet)[0])
-        gap = norm(self.place - self.place[own])
-        of_arc = (self.arc >= 0) & (self.arc == self.arc[own]) & (gap <= wide)
-        alike = product(self.normal, self.normal[own]) > _SAME_DIRECTION
-        return float(self.force[alike & ((gap <= length) | of_arc)].sum())
+    All that presses the film there in the same direction: points of the tool and nodes within the
+    length L of the film [mm], and points of its own arc within the width of the contact and an edge
+    length.
+    """
+    on, at_nodes, of = points.carriers, points.nodes.carriers, points.points
+    sheets, pressed = np.flatnonzero(on.pressure > 0.0), np.flatnonzero(at_nodes.pressure > 0.0)
+    point = points.point_of_sheet()[sheets]
+    is_tip = np.isfinite(limits.force[point])
+    if not is_tip.any():
+        return {}
+    node_places = pose.to_body(state.node.x[at_nodes.node[pressed, 0]])
+    place = np.concatenate([of.place[point], node_places])
+    normal = np.concatenate([on.normal[sheets], at_nodes.normal[pressed]])
+    arc = np.concatenate([of.arc[point], np.full(len(pressed), -1)])
+    force = np.concatenate([on.pressure[sheets], at_nodes.pressure[pressed]])
+    found = {}
+    for i in np.flatnonzero(is_tip).tolist():
+        sheet, k = int(sheets[i]), int(point[i])
+        area = state.node.contact_area[on.node[sheet]].mean()
+        wide = limits.width[k] + local_edge_length(float(area)) if of.radius[k] > 0.0 else 0.0
+        gap = norm(place - place[i])
+        of_arc = (arc >= 0) & (arc == arc[i]) & (gap <= wide)
+        alike = product(normal, normal[i]) > _SAME_DIRECTION
+        found[sheet] = float(force[alike & ((gap <= length) | of_arc)].sum())
+    return found

@@ -1,4 +1,4 @@
-"""The force at which a tip pierces whole film.
+"""The force at which a tip pierces whole film, and what it carries under each point of a tool.
 
 Near a tip that presses it, a film takes the shape that its bending and its tension give it, over
 the length L = sqrt(D / N), far less than the film is wide. Axisymmetric Föppl-von Kármán plates
@@ -51,15 +51,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, product
+from shellcut.arrays import Bools, Floats, norm, product
 from shellcut.cables.cohesive_law import CohesiveTable
+from shellcut.contact.contact_tables import ToolPoints
 from shellcut.material.orthotropic import turned_moduli
 from shellcut.material.secants import secants_at
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.small_matrices import inverse
+from shellcut.tool.tool import Tool
 
 CENTRE = 0.47994
 """n(0) under a point load, solved in ``tests/unit/test_puncture.py``."""
@@ -123,6 +126,44 @@ def edge_bluntness(bow: float, radius: float) -> float:
     least, most = sorted((bow, radius))
     between = math.sqrt(least * math.sqrt(most * least))
     return (most + 5.0 * between) / 6.0
+
+
+class PlaceLimits(NamedTuple):
+    """The load that the film carries under each point of the tool."""
+
+    force: Floats
+    """F_p, inf where the edge is straight, shape (n_of_tool,) [N]."""
+    lies: Bools
+    """Whether the edge lies on the film over more than L there, shape (n_of_tool,)."""
+    width: Floats
+    """Of the contact of an arc at F_p, 0 at a tip, shape (n_of_tool,) [mm]."""
+
+
+class PierceLimits(NamedTuple):
+    """The load that whole film carries."""
+
+    puncture: Puncture
+    """Under a tip."""
+    strength: float
+    """Along an edge [MPa]."""
+    own: float | None = None
+    """The user's own force of a tip, in place of F_p [N]."""
+
+    def at_points(self, points: ToolPoints, tool: Tool) -> PlaceLimits:
+        """Return the load that it carries under the points of a tool."""
+        film, edge_radius = self.puncture, tool.edge_radius
+        length = norm(tool.vertices[tool.edges[:, 1]] - tool.vertices[tool.edges[:, 0]])
+        longest = np.bincount(tool.edge_chain, length)[tool.edge_chain[points.segment]]
+        with np.errstate(invalid="ignore"):
+            width = 2.0 * film.slope * points.radius
+        tip = (points.segment >= 0) & (width < longest)
+        force = np.full(len(width), np.inf)
+        lies = ~tip
+        for k in np.flatnonzero(tip).tolist():
+            rho = edge_bluntness(float(points.radius[k]), edge_radius)
+            force[k] = film.force(rho) if self.own is None else self.own
+            lies[k] = self.own is None and points.radius[k] > 0.0 and film.blunt * rho > film.sharp
+        return PlaceLimits(force, lies, np.where(tip, width, 0.0))
 
 
 def puncture_force(film: ShellMaterial, law: CohesiveTable, radius: float = 0.0) -> float:

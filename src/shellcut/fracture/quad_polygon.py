@@ -20,6 +20,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, product
 from shellcut.numerics.bilinear import slopes_by_eta, slopes_by_xi
+from shellcut.numerics.jit import inline_or_plain
 
 Point: TypeAlias = tuple[float, float]
 """xi, eta."""
@@ -73,11 +74,16 @@ def on_side(side: int, s: float) -> Point:
     )
 
 
+@inline_or_plain
 def along_side(side: int, point: Point) -> float:
     """Return the fraction of a side's length at which a point of it lies."""
-    start, end = CORNERS[side], CORNERS[(side + 1) % 4]
-    c = point[0] if start[0] != end[0] else point[1]
-    return 0.5 * (1.0 + (c if (start[0] + start[1] < end[0] + end[1]) else -c))
+    c = point[0] if side % 2 == 0 else point[1]
+    return 0.5 * (1.0 + (c if side < 2 else -c))
+
+
+def ascending(a: int, b: int, s: float) -> tuple[int, int, float]:
+    """Return the ends of a side, the lower first, and the fraction s of it from that one on."""
+    return (a, b, s) if a <= b else (b, a, 1.0 - s)
 
 
 def edges(polygon: Polygon) -> Iterator[tuple[Point, Point, int]]:
@@ -115,15 +121,14 @@ def onto_boundary(point: Point) -> Point:
     return xi, eta
 
 
-def side_of(polygon: Polygon, point: Point) -> int | None:
-    """Return the side on which a point of a polygon's boundary lies, FLANK or None."""
-    for a, b, side in edges(polygon):
-        along = (point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])
+def edge_at(polygon: Polygon, point: Point) -> int:
+    """Return on which edge of a polygon a point lies, -1 if on none."""
+    for i, (a, b, _) in enumerate(edges(polygon)):
         length = _distance(a, b)
-        near = abs(_cross(a, b, point)) < _SAME * length
-        if near and -_SAME < along / length < length + _SAME:
-            return side
-    return None
+        along = ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length
+        if abs(_cross(a, b, point)) < _SAME * length and -_SAME < along < length + _SAME:
+            return i
+    return -1
 
 
 def contains(polygon: Polygon, point: Point) -> bool:
@@ -150,11 +155,12 @@ def fraction_between(a: Point, b: Point, point: Point) -> float | None:
     return along / length if is_on(point, a, b) and AWAY < along < length - AWAY else None
 
 
+@inline_or_plain
 def is_on(point: Point, a: Point, b: Point) -> bool:
     """Return whether a point lies on the line through a and b."""
     d = b[0] - a[0], b[1] - a[1]
     height = abs((point[0] - a[0]) * d[1] - (point[1] - a[1]) * d[0])
-    return height < AWAY * hypot(*d)
+    return height < AWAY * hypot(d[0], d[1])
 
 
 def beyond(a: Point, b: Point) -> list[int]:
@@ -225,7 +231,12 @@ def density(X: Floats) -> tuple[float, float, float]:
 
 def share_of(polygon: Polygon, J: tuple[float, float, float]) -> float:
     """Return which part of its quad's area a polygon covers, J as of :func:`density`."""
-    return _integral(polygon, J) / (4.0 * J[0])
+    a = polygon.points[0]
+    total = 0.0
+    for b, c in zip(polygon.points[1:], polygon.points[2:], strict=False):
+        at = J[0] + J[1] * (a[0] + b[0] + c[0]) / 3.0 + J[2] * (a[1] + b[1] + c[1]) / 3.0
+        total += 0.5 * _cross(a, b, c) * at
+    return total / (4.0 * J[0])
 
 
 def shape_slopes(point: Point) -> Floats:
@@ -259,29 +270,18 @@ def spans(polygon: Polygon) -> Floats:
     return np.array([span(polygon, side) or (0.0, 0.0) for side in range(4)])
 
 
-def _integral(polygon: Polygon, J: tuple[float, float, float]) -> float:
-    a = polygon.points[0]
-    total = 0.0
-    for b, c in zip(polygon.points[1:], polygon.points[2:], strict=False):
-        at = J[0] + J[1] * (a[0] + b[0] + c[0]) / 3.0 + J[2] * (a[1] + b[1] + c[1]) / 3.0
-        total += 0.5 * _cross(a, b, c) * at
-    return total
-
-
 def _with_point(polygon: Polygon, point: Point) -> tuple[Polygon, int]:
     """Return the polygon with a point of its boundary among its points, and which it is."""
     for i, p in enumerate(polygon.points):
         if _distance(p, point) < _SAME:
             return polygon, i
-    for i, (a, b, side) in enumerate(edges(polygon)):
-        length = _distance(a, b)
-        along = ((point[0] - a[0]) * (b[0] - a[0]) + (point[1] - a[1]) * (b[1] - a[1])) / length
-        if abs(_cross(a, b, point)) < _SAME * length and 0.0 < along < length:
-            points, sides = list(polygon.points), list(polygon.sides)
-            points.insert(i + 1, point)
-            sides.insert(i + 1, side)
-            return Polygon(tuple(points), tuple(sides)), i + 1
-    raise ValueError(f"the end of a cut must lie on the polygon {polygon.points}, got {point}")
+    i = edge_at(polygon, point)
+    if i < 0:
+        raise ValueError(f"the end of a cut must lie on the polygon {polygon.points}, got {point}")
+    points, sides = list(polygon.points), list(polygon.sides)
+    points.insert(i + 1, point)
+    sides.insert(i + 1, sides[i])
+    return Polygon(tuple(points), tuple(sides)), i + 1
 
 
 def _loop(polygon: Polygon, which: list[int]) -> Polygon:

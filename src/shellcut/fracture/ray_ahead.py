@@ -23,19 +23,18 @@ the ray turns.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
 from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
-from shellcut.numerics.bilinear import shape_functions
+from shellcut.contact.quad_distance import corners_of, place_in
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import add, combine, cross, dot, load, norm, scale, sub
+from shellcut.numerics.vec3 import cross, dot, load, norm, scale, sub
 from shellcut.state import State
 
-from .quad_polygon import AWAY, FLANK
+from .quad_polygon import AWAY, FLANK, Point, along_side, is_on
 from .rows_ahead import NO_SIDE, RowsAhead
 from .tip import Segment
 
@@ -258,9 +257,9 @@ def _past_a_corner(ahead: RowsAhead, k: int, i: int, ray: Ray, x: Floats, aimed:
         off, far = abs(dot(gap, normal)), dot(gap, heading)
         if ahead.corner[k, j] < 0 or side == FLANK or not off < GRAZE * far:
             continue
-        a, b = ahead.point[k, edge], ahead.point[k, (edge + 1) % n]
+        a, b = _point(ahead, k, edge), _point(ahead, k, (edge + 1) % n)
         along = 1.0 - SNAP if end else SNAP
-        s_a, s_b = _along(side, a[0], a[1]), _along(side, b[0], b[1])
+        s_a, s_b = along_side(side, a), along_side(side, b)
         own, which, clear = s_a + along * (s_b - s_a), 0, True
         for c in range(ahead.crossing[k, edge, 0], ahead.crossing[k, edge, 1]):
             clear = clear and abs(ahead.known[c] - own) >= SNAP
@@ -279,10 +278,10 @@ def _onto_edge(
 ) -> bool:
     """Write where on an edge of row k the segment of tip i ends; return whether it may."""
     side, after = ahead.side[k, hit], (hit + 1) % ahead.n_point[k]
-    a, b = ahead.point[k, hit], ahead.point[k, after]
+    a, b = _point(ahead, k, hit), _point(ahead, k, after)
     kind, which, s = ON_FLANK, 0, along
     if side != FLANK:
-        s_a, s_b = _along(side, a[0], a[1]), _along(side, b[0], b[1])
+        s_a, s_b = along_side(side, a), along_side(side, b)
         s = s_a + min(max(along, SNAP), 1.0 - SNAP) * (s_b - s_a)
         first, second = load(x, ahead.nodes[k, side]), load(x, ahead.nodes[k, (side + 1) % 4])
         reach = MERGE * ahead.size[k] / norm(sub(second, first))
@@ -302,14 +301,11 @@ def _onto_edge(
 @inline
 def _on_edge_of_entry(ahead: RowsAhead, k: int, xi: float, eta: float) -> bool:
     """Return whether a place lies on an edge of row k's polygon on which the entry lies."""
-    n = ahead.n_point[k]
+    n, on = ahead.n_point[k], False
     for j in range(n):
-        if ahead.on_edge[k, j]:
-            a, b = ahead.point[k, j], ahead.point[k, (j + 1) % n]
-            dx, dy = b[0] - a[0], b[1] - a[1]
-            if abs((xi - a[0]) * dy - (eta - a[1]) * dx) < AWAY * sqrt(dx * dx + dy * dy):
-                return True
-    return False
+        a, b = _point(ahead, k, j), _point(ahead, k, (j + 1) % n)
+        on = on or (ahead.on_edge[k, j] and is_on((xi, eta), a, b))
+    return on
 
 
 @inline
@@ -342,16 +338,11 @@ def _gap(ahead: RowsAhead, k: int, j: int, x: Floats, here: Vec3) -> Vec3:
 
 
 @inline
-def at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
-    """Return what rows : (n_node, 3) are at a place of row k of the table."""
-    n0, n1, n2, n3 = shape_functions(xi, eta)
-    a, b = load(rows, ahead.nodes[k, 0]), load(rows, ahead.nodes[k, 1])
-    c, d = load(rows, ahead.nodes[k, 2]), load(rows, ahead.nodes[k, 3])
-    return add(combine(n0, a, n1, b), combine(n2, c, n3, d))
+def _point(ahead: RowsAhead, k: int, j: int) -> Point:
+    return ahead.point[k, j, 0], ahead.point[k, j, 1]
 
 
 @inline
-def _along(side: int, xi: float, eta: float) -> float:
-    """Return the fraction of a side's length at which a point of it lies."""
-    c = xi if side % 2 == 0 else eta
-    return 0.5 * (1.0 + (c if side < 2 else -c))
+def at(ahead: RowsAhead, k: int, xi: float, eta: float, rows: Floats) -> Vec3:
+    """Return what rows : (n_node, 3) are at a place of row k of the table."""
+    return place_in(corners_of(rows, ahead.nodes, k), xi, eta)

@@ -27,8 +27,7 @@ import numpy as np
 from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.nodal_stress import NodalStress, recover
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.bilinear import shape_functions
-from shellcut.state import KnownTopology, State
+from shellcut.state import OncePerTopology, State
 
 from .cut_film import CutFilm
 from .options import Fracture
@@ -100,20 +99,17 @@ class SideTears:
         """Decides instead of the nodal force."""
         if fracture.criterion == "stress":
             self.stress = LargestStress(shell, film, strength)
-        self._known = KnownTopology()
-        self._tried: dict[Tip, _Tried] = {}
+        self._tried = OncePerTopology[dict[Tip, _Tried]](lambda _: {})
 
     def best(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Candidate | None:
         """Return along which side a crack would run from its tip, None if there is none.
 
         tips : all of them.
         """
-        if not self._known.is_of(state):
-            self._tried.clear()
-            self._known.take(state)
-        if tip not in self._tried:
-            self._tried[tip] = self._try(state, tip)
-        segments, nodes, weights, corner, sums, weighed = self._tried[tip]
+        tried = self._tried.of(state)
+        if tip not in tried:
+            tried[tip] = self._try(state, tip)
+        segments, nodes, weights, corner, sums, weighed = tried[tip]
         if not segments:
             return None
         sums.weigh(state)
@@ -138,7 +134,8 @@ class SideTears:
         trials = [(i, self._trial_cut.pairs(state, segment)) for i, segment in enumerate(segments)]
         sums.take(trials, Aimed.along(state, segments), weighed)
         row, entry = self._film.rows_ahead(tip)[0]
-        vectors = [*map(_weights, segments), self._film.heading_weights(row, entry, tip.heading)]
+        vectors = [segment.weights for segment in segments]
+        vectors.append(self._film.heading_weights(row, entry, tip.heading))
         nodes = state.quads[[*(segment.row for segment in segments), row]]
         return _Tried(segments, nodes, np.array(vectors), corner_at(entry), sums, weighed)
 
@@ -151,14 +148,7 @@ class SideTears:
                 if ring[end] not in found and self._film.may_break(row, start, end):
                     found[ring[end]] = Segment(row, entry, CORNERS[end], side, end, along_side=True)
         sides = list(found.values())
-        along = [
-            unit(product(_weights(side), state.node.X[state.quads[side.row]])) for side in sides
-        ]
-        turns = [float(product(unit_vector, tip.heading)) for unit_vector in along]
+        vectors = [product(side.weights, state.node.X[state.quads[side.row]]) for side in sides]
+        turns = [float(product(unit(vector), tip.heading)) for vector in vectors]
         least = min(self._cos_limit, max(turns, default=1.0)) - _SAME_TURN
         return [side for side, cosine in zip(sides, turns, strict=True) if cosine >= least]
-
-
-def _weights(segment: Segment) -> Floats:
-    """Return weights of the nodes of a row that give the vector along a segment, shape (4,)."""
-    return np.subtract(shape_functions(*segment.exit), shape_functions(*segment.entry))

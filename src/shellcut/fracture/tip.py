@@ -1,18 +1,18 @@
-"""Crack tips and the segments between them, and how a checkpoint keeps tips."""
+"""Crack tips, the segments between them, where cuts begin, and how a checkpoint keeps tips."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, unit
+from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
 from .open_edges import crack_tips
-from .quad_polygon import Point, along_side, corner_at
+from .quad_polygon import Point, corner_at
 
 # Outside the parametric square: written for a tip that lies on no flank.
 _NOWHERE = (2.0, 2.0)
@@ -113,19 +113,15 @@ class Segment:
     right: float = 1.0
     """Share of the row to the right of it, 1 along a side."""
 
+    @property
+    def weights(self) -> Floats:
+        """Weights of the nodes of its row that give the vector along it, shape (4,)."""
+        return np.subtract(shape_functions(*self.exit), shape_functions(*self.entry))
+
     def reversed(self) -> Segment:
         """Return the same along a side in the other direction."""
         corner = corner_at(self.entry)
         return Segment(self.row, self.exit, self.entry, self.side, corner, self.along_side)
-
-    def on_side_of(self, ring: Sequence[int]) -> tuple[tuple[int, int], float]:
-        """Return the nodes of the side at which it ends, ascending, and where on it.
-
-        ring : (4,), nodes at the corners of the row.
-        """
-        a, b = ring[self.side], ring[(self.side + 1) % 4]
-        s = along_side(self.side, self.exit)
-        return ((a, b), s) if a < b else ((b, a), 1.0 - s)
 
 
 class Place(NamedTuple):
@@ -139,3 +135,27 @@ class Place(NamedTuple):
     """Local edge length [mm]."""
     T: Floats
     """Unit director in the reference film, shape (3,)."""
+
+
+class Pierced(NamedTuple):
+    """How a tool pierces the face of whole film."""
+
+    measure: float
+    """Force or stress over that which the film carries."""
+    force: float
+    """On the cutting edge [N]."""
+    delay: float
+    """Of the mean force on a tip, see :mod:`.pressing_tips`."""
+    depth: float
+    """By which the film has been pushed out of its reference shape there [mm]."""
+
+
+class Begun(NamedTuple):
+    """A place where an edge cuts whole film."""
+
+    row: int
+    place: Point
+    segment: int
+    """Of the cutting edge."""
+    pierced: Pierced | None = None
+    """None where nothing supports the film against the edge."""

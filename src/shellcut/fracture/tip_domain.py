@@ -25,6 +25,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, off_segments, product
 from shellcut.mitc4.shell import MITC4Shell
+from shellcut.numerics.connected_parts import connected_parts
 from shellcut.state import State
 
 from .film_border import SAME, FilmBorder
@@ -109,12 +110,10 @@ def _film_around(
     near[list(ahead)] = True
     rows = np.flatnonzero(near)
     nodes, at = np.unique(state.quads[rows], return_inverse=True)
-    at, found, n = at.reshape(-1, 4), np.isin(rows, ahead), 0
-    while found.sum() > n:
-        n, reached = int(found.sum()), np.zeros(len(nodes), np.bool_)
-        reached[at[found]] = True
-        found = np.asarray(reached[at].any(axis=1))
-    return rows[found]
+    # A row is linked with its nodes.
+    n = len(rows)
+    part = connected_parts(np.repeat(np.arange(n), 4), n + at.ravel(), n + len(nodes))[:n]
+    return rows[np.isin(part, part[np.isin(rows, ahead)])]
 
 
 def _distance(X: Floats, ends: Floats, most: float) -> Floats:

@@ -17,7 +17,7 @@ from shellcut.arrays import Bools, Floats
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import combine, load, norm
+from shellcut.numerics.vec3 import mean_of, norm, store
 from shellcut.state import KnownTopology, State
 
 from .blade_drive import BladeDrive
@@ -179,12 +179,8 @@ def _place_tips(
     """Write place, unit director and heading of tips : (n_tip, 3) from x, t : (n_node, 3)."""
     tips = borrowed(tips)
     for i in range(tips.size.shape[0]):
-        p, d, h = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for a in range(4):
-            node = tips.nodes[i, a]
-            p = combine(1.0, p, tips.weight[i, a], load(x, node))
-            d = combine(1.0, d, tips.weight[i, a], load(t, node))
-            h = combine(1.0, h, tips.forward[i, a], load(x, node))
+        d = mean_of(t, tips.nodes, tips.weight, i)
         length = norm(d)
-        for c in range(3):
-            place[i, c], director[i, c], heading[i, c] = p[c], d[c] / length, h[c]
+        store(place, i, mean_of(x, tips.nodes, tips.weight, i))
+        store(director, i, (d[0] / length, d[1] / length, d[2] / length))
+        store(heading, i, mean_of(x, tips.nodes, tips.forward, i))

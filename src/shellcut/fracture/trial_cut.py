@@ -104,26 +104,22 @@ class TrialCut:
         anisotropy: Anisotropy | None = None,
         terms: Sequence[ForceTerm] = (),
     ) -> None:
-        self.topology, self._shell = topology, shell
+        self.topology, self.shell = topology, shell
         self._sources: tuple[LoadSet | ForceTerm, ...] = (loads, *terms)
         self.anisotropy, self.thickness = anisotropy, shell.material.thickness
         self.carried = strength * shell.material.thickness
         """What cables carry, sigma_F h [N/mm]."""
 
-    def corner_mass(self, side: Side) -> Floats:
-        """Return the masses of the corners of a class, of whole rows [t], shape (n,)."""
-        return np.asarray(self._shell.mass[side.rows, side.corner])
-
     def corner_forces(self, state: State, rows: Ints, nodes: Ints) -> Floats:
         """Return the forces of whole rows on one of their nodes each [N], shape (n, 3)."""
-        force = self._shell.corner_forces(state, rows, nodes)
+        force = self.shell.corner_forces(state, rows, nodes)
         for source in self._sources:
             source.add_corner_forces(state, rows, nodes, force)
         return force
 
     def pairs(self, state: State, segment: Segment) -> list[Pair]:
         """Return the classes on both sides of a trial cut, at the corners that carry its tip."""
-        ring = self._shell.mesh_quads[segment.row].tolist()
+        ring = self.shell.mesh_quads[segment.row].tolist()
         weights = shape_functions(*segment.entry)
         corners = [c for c in range(4) if weights[c] > UNUSED]
         rows, classes = self._tried(segment, [ring[c] for c in corners])
@@ -143,7 +139,7 @@ class TrialCut:
         """Return the rows on both sides of a trial cut, and classes around nodes of the mesh."""
         topology = self.topology
         if segment.along_side:
-            side, part = side_under(self._shell, segment)
+            side, part = side_under(self.shell, segment)
             rows, _ = rows_along(topology, side, part)
             topology.break_side(*side, *part)
             classes = [topology.classes(node) for node in nodes]
@@ -196,23 +192,6 @@ class TrialCut:
         )
 
 
-class _Sums(NamedTuple):
-    """Trial cuts as the kernel takes them."""
-
-    tip: Annotated[Ints, "(n_trial,)"]
-    start: Annotated[Ints, "(n_trial + 1,)"]
-    """First pair of each trial, and the end."""
-    weight: Annotated[Floats, "(n_pair,)"]
-    mass: Annotated[Floats, "(n_pair, 2, 3)"]
-    """Of minus and plus side, in rows UNCUT, RIGHT and LEFT [t]."""
-    member: Annotated[Ints, "(n_member, 4)"]
-    """Pair, side, part (UNCUT, RIGHT, LEFT) and row of the corner forces."""
-    cable: Annotated[Ints, "(n_link, 4)"]
-    """Pair, side, cable and its end."""
-    share: Annotated[Floats, "(n_link, 2)"]
-    """How much of that cable's force acts on the side, and how much of that acts at the tip."""
-
-
 class Weighed(NamedTuple):
     """What trial cuts have at their tips."""
 
@@ -238,9 +217,20 @@ class Weighed(NamedTuple):
 
 
 class _Trials(NamedTuple):
-    """Arguments of the kernel that last until other cuts are tried."""
+    """Trial cuts as the kernel takes them, good until others are tried."""
 
-    sums: _Sums
+    tip: Annotated[Ints, "(n_trial,)"]
+    start: Annotated[Ints, "(n_trial + 1,)"]
+    """First pair of each trial, and the end."""
+    weight: Annotated[Floats, "(n_pair,)"]
+    mass: Annotated[Floats, "(n_pair, 2, 3)"]
+    """Of minus and plus side, in rows UNCUT, RIGHT and LEFT [t]."""
+    member: Annotated[Ints, "(n_member, 4)"]
+    """Pair, side, part (UNCUT, RIGHT, LEFT) and row of the corner forces."""
+    cable: Annotated[Ints, "(n_link, 4)"]
+    """Pair, side, cable and its end."""
+    share: Annotated[Floats, "(n_link, 2)"]
+    """How much of that cable's force acts on the side, and how much of that acts at the tip."""
     aimed: Aimed
     weighed: Weighed
 
@@ -271,7 +261,8 @@ class TrialSums:
         mass = np.zeros((len(pairs), 2, 3))
         for p, pair in enumerate(pairs):
             for sign, side in enumerate(pair.sides):
-                np.add.at(mass[p, sign], side.part, self._trial_cut.corner_mass(side))
+                whole = self._trial_cut.shell.mass[side.rows, side.corner]
+                np.add.at(mass[p, sign], side.part, whole)
                 rows, nodes, parts = side.rows.tolist(), side.nodes.tolist(), side.part.tolist()
                 for row, node, part in zip(rows, nodes, parts, strict=True):
                     corner = corners.setdefault((row, node), len(corners))
@@ -280,7 +271,7 @@ class TrialSums:
                 shares += [(link.share, link.at_tip) for link in side.cables]
         whole_corners = np.array(list(corners), np.int64).reshape(-1, 2)
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in whole_corners.T)
-        sums = _Sums(
+        table = _Trials(
             tip=np.array(tips, np.int64),
             start=np.cumsum([0, *map(len, every)]),
             weight=np.array([pair.weight for pair in pairs]),
@@ -288,8 +279,10 @@ class TrialSums:
             member=np.array(members, np.int64).reshape(-1, 4),
             cable=np.array(cables, np.int64).reshape(-1, 4),
             share=np.array(shares, float).reshape(-1, 2),
+            aimed=aimed,
+            weighed=weighed,
         )
-        self._trials = self._address_of(_Trials(sums, aimed, weighed))
+        self._trials = self._address_of(table)
 
     def weigh(self, state: State) -> None:
         """Write what the trials have at their tips, at the present positions and forces."""
@@ -357,42 +350,43 @@ def _weigh_trials(
     x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
     (n_cable, 2, 3), [N].  cable_area : (n_cable,), [mm²].  carried : sigma_F h [N/mm].
     """
-    sums, aimed, weighed = borrowed(trials)
-    n_trial = sums.tip.shape[0]
-    trial = np.empty(sums.weight.shape[0], np.int64)
+    trials = borrowed(trials)
+    aimed, weighed = trials.aimed, trials.weighed
+    n_trial = trials.tip.shape[0]
+    trial = np.empty(trials.weight.shape[0], np.int64)
     for k in range(n_trial):
-        trial[sums.start[k] : sums.start[k + 1]] = k
+        trial[trials.start[k] : trials.start[k + 1]] = k
     # f of each class: of whole rows, or of the part of the row that lies on its side of the ray.
-    force, cable_force_behind = np.zeros((2, sums.weight.shape[0], 2, 3))
+    force, cable_force_behind = np.zeros((2, trials.weight.shape[0], 2, 3))
     cable_area_behind = np.zeros(n_trial)
-    for i in range(sums.member.shape[0]):
-        p, side, part, corner = _four(sums.member, i)
-        share = _part(part, aimed.right[sums.tip[trial[p]]])
+    for i in range(trials.member.shape[0]):
+        p, side, part, corner = _four(trials.member, i)
+        share = _part(part, aimed.right[trials.tip[trial[p]]])
         for c in range(3):
             force[p, side, c] += share * corner_force[corner, c]
     # Cables pull at the classes too; those behind the tip also alone, for d_B.
-    for i in range(sums.cable.shape[0]):
-        p, side, cable, end = _four(sums.cable, i)
+    for i in range(trials.cable.shape[0]):
+        p, side, cable, end = _four(trials.cable, i)
         if status[cable] == BROKEN:
             continue
-        cable_area_behind[trial[p]] += sums.share[i, 1] * cable_area[cable]
+        cable_area_behind[trial[p]] += trials.share[i, 1] * cable_area[cable]
         for c in range(3):
-            force[p, side, c] += sums.share[i, 0] * cable_force[cable, end, c]
-            cable_force_behind[p, side, c] += sums.share[i, 1] * cable_force[cable, end, c]
+            force[p, side, c] += trials.share[i, 0] * cable_force[cable, end, c]
+            cable_force_behind[p, side, c] += trials.share[i, 1] * cable_force[cable, end, c]
     for k in range(n_trial):
-        tip = sums.tip[k]
+        tip = trials.tip[k]
         right, kappa, d, d_B = aimed.right[tip], 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        sum_of_weights = sums.weight[sums.start[k] : sums.start[k + 1]].sum()
-        for p in range(sums.start[k], sums.start[k + 1]):
+        sum_of_weights = trials.weight[trials.start[k] : trials.start[k + 1]].sum()
+        for p in range(trials.start[k], trials.start[k + 1]):
             for side in range(2):
                 mass = 0.0
                 for part in range(3):
-                    mass += _part(part, right) * sums.mass[p, side, part]
-                moves = sums.weight[p] / mass if side else -sums.weight[p] / mass
+                    mass += _part(part, right) * trials.mass[p, side, part]
+                moves = trials.weight[p] / mass if side else -trials.weight[p] / mass
                 # (1) with all forces, (1) with those of the cables behind alone, and (2).
                 d = add_scaled(d, moves, load(force[p], side))
                 d_B = add_scaled(d_B, moves, load(cable_force_behind[p], side))
-                kappa += sums.weight[p] ** 2 / mass
+                kappa += trials.weight[p] ** 2 / mass
         if kappa == 0.0:  # the cut would part nothing at the tip
             weighed.measure[tip] = weighed.magnitude[tip] = -np.inf
             continue

@@ -93,6 +93,15 @@ def norm(a: Vec3) -> float:
 
 
 @always_inline
+def mean_of(rows: Numbers, nodes: Numbers, weights: Floats, i: int) -> Vec3:
+    """Return the mean of rows by the four weights in row i, those of the nodes in row i."""
+    mean = (0.0, 0.0, 0.0)
+    for c in range(4):
+        mean = add_scaled(mean, weights[i, c], load(rows, nodes[i, c]))
+    return mean
+
+
+@always_inline
 def rotate_director(t: Vec3, spin: Vec3) -> Vec3:
     """Rotate the unit director ``t`` by the Cayley map of ``spin`` = Δt ω.
 

@@ -3,7 +3,7 @@
 May import ``numerics`` and rows below.
 """
 
-from .film import KnownTopology, SplitRecord, State
+from .film import KnownTopology, OncePerTopology, SplitRecord, State
 from .tables import (
     BROKEN,
     JOINTED,
@@ -14,6 +14,7 @@ from .tables import (
     TEAR,
     CableTable,
     FlankTable,
+    KernelNodes,
     NodeTable,
     QuadsAtNodes,
     QuadTable,
@@ -31,8 +32,10 @@ __all__ = [
     "TEAR",
     "CableTable",
     "FlankTable",
+    "KernelNodes",
     "KnownTopology",
     "NodeTable",
+    "OncePerTopology",
     "QuadTable",
     "QuadsAtNodes",
     "SplitRecord",

@@ -5,8 +5,9 @@ Do not keep a reference to an array across a split (:class:`KnownTopology`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from shellcut.arrays import Floats, Ints, SmallIds
 from shellcut.numerics.lanes import aligned_zeros
 
 from .tables import NOTCH, CableTable, FlankTable, NodeTable, QuadsAtNodes, QuadTable
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -187,6 +190,28 @@ def _padded(rows: list[tuple[int, ...]]) -> Ints:
     for filled, row in zip(table, rows, strict=True):
         filled[: len(row)] = row
     return table
+
+
+class OncePerTopology(Generic[T]):
+    """Something that follows from the topology of a film: built once, and anew after a cut.
+
+    Parameters
+    ----------
+    build : Callable
+        Returns it for a state.
+    """
+
+    def __init__(self, build: Callable[[State], T]) -> None:
+        self._build, self._known = build, KnownTopology()
+        self._built: Any = None
+
+    def of(self, state: State) -> T:
+        """Return what belongs to the present topology."""
+        if self._built is None or not self._known.is_of(state):
+            self._built = self._build(state)
+            self._known.take(state)
+        built: T = self._built
+        return built
 
 
 class KnownTopology:

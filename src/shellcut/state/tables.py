@@ -165,6 +165,26 @@ class QuadsAtNodes(NamedTuple):
     """Number of quads at the node."""
 
 
+class KernelNodes(NamedTuple):
+    """Fields of the nodes that kernels of force terms need, named as in :class:`NodeTable`."""
+
+    x: Annotated[Floats, "(n_node, 3)"]
+    velocity_half: Annotated[Floats, "(n_node, 3)"]
+    contact_area: Annotated[Floats, "(n_node,)"]
+    contact_share: Annotated[Floats, "(n_node,)"]
+    contact_mass: Annotated[Floats, "(n_node,)"]
+    push: Annotated[Floats, "(n_node, 2)"]
+    supported: Annotated[Bools, "(n_node,)"]
+    contact_side: Annotated[SmallInts, "(n_node,)"]
+    """Of the blade, of each node: kernels write this and the force."""
+    force: Annotated[Floats, "(n_node, 3)"]
+
+    @classmethod
+    def of(cls, nodes: NodeTable) -> KernelNodes:
+        """Return those of a table, good until the next split."""
+        return cls(*(getattr(nodes, name) for name in cls._fields))
+
+
 @dataclass
 class NodeTable(_Table):
     """Nodes; positions at t_n, velocities at t_{n+1/2} (see :mod:`shellcut.central_difference`)."""

@@ -252,12 +252,12 @@ def _cells_around(tool: Tool, reach: float, size: float) -> GridCells:
     """Return cells of this size [mm] around a tool and its reach, enlarged until few enough."""
     low, high = tool.bounding_box()
     extent = high - low + 2.0 * reach
-    shape = _cells(extent, size)
-    while shape[0] * shape[1] * shape[2] > MOST_CELLS:
-        size *= 1.05
-        shape = _cells(extent, size)
     lower = float(low[0]) - reach, float(low[1]) - reach, float(low[2]) - reach
-    return GridCells(lower=lower, size=size, shape=shape)
+    while True:
+        shape = ceil(extent[0] / size), ceil(extent[1] / size), ceil(extent[2] / size)
+        if shape[0] * shape[1] * shape[2] <= MOST_CELLS:
+            return GridCells(lower=lower, size=size, shape=shape)
+        size *= 1.05
 
 
 def _fill(finest: GridCells, surface: TriangleSurface, reach: float) -> CellLists:
@@ -280,10 +280,6 @@ def _fill(finest: GridCells, surface: TriangleSurface, reach: float) -> CellList
     cell = np.repeat(np.arange(lists.start.size - 1), np.diff(lists.start))
     order = np.lexsort((lists.distance, cell))  # stable: equal distances stay by triangle
     return lists._replace(triangle=lists.triangle[order], distance=lists.distance[order])
-
-
-def _cells(extent: Floats, size: float) -> Cells3:
-    return ceil(extent[0] / size), ceil(extent[1] / size), ceil(extent[2] / size)
 
 
 def _planes(tool: Tool) -> Floats:

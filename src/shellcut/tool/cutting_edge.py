@@ -22,15 +22,15 @@ mid-plane, whereas behind the edge it leads sideways, through a flank.
 
 from __future__ import annotations
 
-import itertools
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.borrowed import borrowed
+from shellcut.numerics.boxes import are_near, around_runs, box_around
 from shellcut.numerics.jit import inline
-from shellcut.numerics.vec3 import combine, dot, norm, sub
+from shellcut.numerics.vec3 import combine, dot, load, norm, sub
 
 from .closest_triangles import ClosestTriangleGrid
 from .signed_distance import TriangleGrid, signed_distance
@@ -92,10 +92,7 @@ class CuttingEdges(NamedTuple):
         every = np.arange(tool.n_edge)
         of_chain = every - np.searchsorted(tool.edge_chain, tool.edge_chain)
         first = np.append(np.flatnonzero(of_chain % _RUN == 0), tool.n_edge)
-        ends = [np.stack([start[a:b], end[a:b]]) for a, b in itertools.pairwise(first.tolist())]
-        low, high = np.zeros((2, len(ends), 3))
-        for k, both in enumerate(ends):
-            low[k], high[k] = both.min(axis=(0, 1)), both.max(axis=(0, 1))
+        low, high = around_runs(np.stack([start, end], axis=1), first)
         segments = np.stack(rows, axis=1)
         return cls(segments, tool.edge_tooth, solid, tool.edge_radius, first, low, high)
 
@@ -113,11 +110,9 @@ def may_own(a: Vec3, b: Vec3, reach: float, deepest: float, run: int, edges: Cut
     reach : of the point beside the mid-plane, at most [mm].  deepest : of
     :func:`strip_coordinates`; the strip is wider than the segment by a part of that.
     """
-    far, near = reach + (1.0 + STRIP_SLOPE) * deepest, True
-    for c in range(3):
-        near &= min(a[c], b[c]) - far <= edges.high[run, c]
-        near &= max(a[c], b[c]) + far >= edges.low[run, c]
-    return near
+    low, high = box_around(a, b, a, b)
+    far = reach + (1.0 + STRIP_SLOPE) * deepest
+    return are_near(low, high, load(edges.low, run), load(edges.high, run), far)
 
 
 @inline

@@ -57,8 +57,8 @@ class EdgeBow(NamedTuple):
         (2, [inf])
         """
         meeting = np.bincount(tool.edges.ravel(), minlength=tool.n_vertex)
-        bow = cls((meeting > 0) & (meeting != 2), np.full(tool.n_edge, np.inf), tool.edge_chain - 0)
-        bow.arc[:] = -1
+        straight, none = np.full(tool.n_edge, np.inf), np.full(tool.n_edge, -1)
+        bow = cls((meeting > 0) & (meeting != 2), straight, none)
         for chain in range(tool.n_chain):
             _follow(tool, np.flatnonzero(tool.edge_chain == chain), bow)
         return bow

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from math import cos, pi, radians, sin, sqrt
 from typing import Annotated, Protocol, TypeAlias, runtime_checkable
 
@@ -26,7 +25,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Vec3, three
-from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
+from shellcut.numerics.jit import BoundOnce, inline_or_plain, kernel
 from shellcut.numerics.vec3 import load
 
 from .pose import Pose
@@ -159,17 +158,7 @@ class ScrewMotion:
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
-        if time >= self.ramp and self._point == _ORIGIN:
-            spin, velocity = self._steady
-            return spin.copy(), velocity.copy()
-        return self._twist_at(_ramped_speed(time, self.angular_speed, self.ramp), time)
-
-    @cached_property
-    def _steady(self) -> tuple[Floats, Floats]:
-        """The twist after the ramp about an axis through the origin."""
-        return self._twist_at(self.angular_speed, self.ramp)
-
-    def _twist_at(self, rate: float, time: float) -> tuple[Floats, Floats]:
+        rate = _ramped_speed(time, self.angular_speed, self.ramp)
         a0, a1, a2 = self._axis
         v0, v1, v2 = self._lead
         if self._point != _ORIGIN:
@@ -246,7 +235,10 @@ def _pose_of_screw(screw: Floats, angle: float, rotation: Floats, origin: Floats
     screw : (3, 3), axis, its point p and h, the advance per radian [mm].
     """
     point, lead = load(screw, 1), load(screw, 2)
-    rows = _turn(load(screw, 0), angle)
+    # 1 - cos from the half angle, without cancellation
+    half = sin(0.5 * angle)
+    k = 2.0 * half * half
+    rows = rotation_rows(load(screw, 0), sin(angle), k, 1.0 - k)
     turned_point = turned(rows, point)
     for c in range(3):
         for d in range(3):
@@ -255,15 +247,6 @@ def _pose_of_screw(screw: Floats, angle: float, rotation: Floats, origin: Floats
 
 
 _POSE_OF_SCREW = BoundOnce(_pose_of_screw)
-
-
-@inline
-def _turn(axis: Vec3, angle: float) -> tuple[Vec3, Vec3, Vec3]:
-    """Return the rows of the rotation about a unit axis."""
-    # 1 - cos from the half angle, without cancellation
-    half = sin(0.5 * angle)
-    k = 2.0 * half * half
-    return rotation_rows(axis, sin(angle), k, 1.0 - k)
 
 
 def _unit(name: str, values: Sequence[float]) -> Vec3:

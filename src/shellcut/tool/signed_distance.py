@@ -27,7 +27,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
-from shellcut.numerics.vec3 import combine, dot, sub
+from shellcut.numerics.vec3 import combine, dot, load, store, sub
 
 Cells3: TypeAlias = tuple[int, int, int]
 
@@ -135,7 +135,9 @@ def _foot(
         planes = surface.planes
         n = planes[t, 0, 0], planes[t, 0, 1], planes[t, 0, 2]
         return combine(1.0, p, -height, n), 0
-    return closest_on_triangle(p, *_corners(surface.corners, t))
+    x = surface.corners
+    a, b = (x[t, 0, 0], x[t, 0, 1], x[t, 0, 2]), (x[t, 1, 0], x[t, 1, 1], x[t, 1, 2])
+    return closest_on_triangle(p, a, b, (x[t, 2, 0], x[t, 2, 1], x[t, 2, 2]))
 
 
 @inline
@@ -231,6 +233,18 @@ def closest_of_side(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, int, 
 
 
 @inline
+def closest_of_solid(p: Vec3, grid: TriangleGrid) -> tuple[bool, bool, int, Vec3]:
+    """Return whether ``p`` is near, whether inside the solid, the closest triangle, its point."""
+    grid = borrowed(grid)
+    found, triangle, i, nearest = closest_of_side(p, 0, grid)
+    if not found:
+        return False, False, 0, p
+    # The pseudo-normal of the feature gives the side also at edges and vertices [Baerentzen2005].
+    normal = load(grid.surface.pseudo_normals[triangle], i)
+    return True, dot(sub(p, nearest), normal) < 0.0, triangle, nearest
+
+
+@inline
 def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool, int, Vec3, int]:
     """Return whether ``p`` is near, whether inside the solid, and the closest triangle of the side.
 
@@ -241,33 +255,11 @@ def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool,
     closest triangle of all.
     """
     grid = borrowed(grid)
-    cell_start = grid.lists.start
-    flank, pseudo_normals = grid.surface.flank, grid.surface.pseudo_normals
-    in_grid, cell = cell_of(p, grid.cells)
-    if not in_grid or cell_start[cell] == cell_start[cell + 1]:
-        return False, False, 0, p, 0
-    _, triangle, i, nearest = closest_of_side(p, 0, grid)
-    normal = (
-        pseudo_normals[triangle, i, 0],
-        pseudo_normals[triangle, i, 1],
-        pseudo_normals[triangle, i, 2],
-    )
-    # The pseudo-normal of the feature gives the side also at edges and vertices [Baerentzen2005].
-    inside = dot(sub(p, nearest), normal) < 0.0
-    found = True
-    whole = triangle
-    if side * flank[triangle] < 0:
-        found, triangle, i, nearest = closest_of_side(p, side, grid)
+    found, inside, whole, nearest = closest_of_solid(p, grid)
+    triangle = whole
+    if found and side * grid.surface.flank[whole] < 0:
+        found, triangle, _, nearest = closest_of_side(p, side, grid)
     return found, inside, triangle, nearest, whole
-
-
-@inline
-def _corners(corners: Floats, t: int) -> tuple[Vec3, Vec3, Vec3]:
-    return (
-        (corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]),
-        (corners[t, 1, 0], corners[t, 1, 1], corners[t, 1, 2]),
-        (corners[t, 2, 0], corners[t, 2, 1], corners[t, 2, 2]),
-    )
 
 
 @kernel
@@ -285,6 +277,4 @@ def query_points(
     for n in range(x.shape[0]):
         p = (x[n, 0], x[n, 1], x[n, 2])
         found[n], inside[n], triangle[n], q, _ = signed_distance(p, side, grid)
-        closest[n, 0] = q[0]
-        closest[n, 1] = q[1]
-        closest[n, 2] = q[2]
+        store(closest, n, q)

@@ -6,6 +6,7 @@ surface is convex: the exterior angle. A wedge of half-angle a turns by 180° - 
 
 from __future__ import annotations
 
+import itertools
 from math import degrees, radians
 
 import numpy as np
@@ -132,18 +133,14 @@ class Surface:
     def _pinched_vertices(self) -> Ints:
         # A vertex whose corners (3 t + k) form more than one fan: two corners belong to one fan if
         # their triangles share an edge at that vertex.
-        near, far = (
-            self.opposite_half_edges
-        )  # half-edges; half-edge 3 t + k starts at corner k of t
+        near, far = self.opposite_half_edges  # half-edge 3 t + k starts at corner k of t
         links_a, links_b = [], []
         vertex = self.triangles.ravel()
-        for a_start in (True, False):
-            corner_a = near if a_start else _next_corner(near)
-            for b_start in (True, False):
-                corner_b = far if b_start else _next_corner(far)
-                match = vertex[corner_a] == vertex[corner_b]
-                links_a.append(corner_a[match])
-                links_b.append(corner_b[match])
+        ends = itertools.product((near, _next_corner(near)), (far, _next_corner(far)))
+        for corner_a, corner_b in ends:
+            match = vertex[corner_a] == vertex[corner_b]
+            links_a.append(corner_a[match])
+            links_b.append(corner_b[match])
         fan = by_first_appearance(
             connected_parts(np.concatenate(links_a), np.concatenate(links_b), vertex.size)
         )

@@ -393,10 +393,8 @@ def _cast_table(
     if t.ndim != 1 or t.size < 2:
         raise ValueError(f"times must have shape (n_time,) with at least two, got {t.shape}")
     r = np.array(translations, dtype=np.float64)
-    if rotation_vectors is None:
-        phi = np.zeros((t.size, 3))
-    else:
-        phi = np.array(rotation_vectors, dtype=np.float64)
+    turns = np.zeros((t.size, 3)) if rotation_vectors is None else rotation_vectors
+    phi = np.array(turns, dtype=np.float64)
     for name, array in (("translations", r), ("rotation_vectors", phi)):
         if array.shape != (t.size, 3):
             raise ValueError(f"{name} must have shape ({t.size}, 3), got {array.shape}")

@@ -131,8 +131,7 @@ def read_tool(
     extent = float(np.ptp(file.vertices, axis=0).max())
     with naming(path):
         factor, note = unit_in_mm(unit, extent, "the tool", stated=file.unit_mm)
-    vertices, triangles = product(factor * file.vertices, turn.T) + move, file.triangles
-    with naming(path):
+        vertices, triangles = product(factor * file.vertices, turn.T) + move, file.triangles
         if file.chord_deviation is not None:
             reach = factor * file.chord_deviation
             merge = _WELD * reach if merge is None else merge
