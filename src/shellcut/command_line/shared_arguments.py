@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.source import parse_value
 from shellcut.model_file.spelling import in_keys
@@ -157,19 +157,16 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     if arguments.dask is None:
         yield arguments.jobs
         return
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise ImportError(f"--dask needs Dask: {pip_install('sweep')}") from None
+    dask = optional("distributed", "--dask needs Dask", "sweep")
     from shellcut.numerics.threads import available_cores
 
     with contextlib.ExitStack() as close:
         where: Any = arguments.dask
         if where == "local":
             size = {"n_workers": available_cores(), "threads_per_worker": 1}
-            where = close.enter_context(LocalCluster(**size, dashboard_address=None))
+            where = close.enter_context(dask.LocalCluster(**size, dashboard_address=None))
         try:
-            client = close.enter_context(Client(where, timeout=10.0))
+            client = close.enter_context(dask.Client(where, timeout=10.0))
         except (OSError, TimeoutError, ValueError) as problem:
             said = f"{type(problem).__name__}: {problem}"
             raise ConnectionError(f"there is no Dask scheduler at {where}: {said}") from None

@@ -31,10 +31,8 @@ def answers(summary: Summary) -> list[tuple[str, str]]:
         *_level(summary, "force", "force to cut"),
         *_level(summary, "axial_force", "force to press"),
         *_piercing(summary),
-        *_loose(summary),
-        *_glue(summary),
-        *_flanks(summary),
-        *_sharpness(summary),
+        *_film(summary),
+        *_cut(summary),
     ]
 
 
@@ -88,26 +86,19 @@ def _range(summary: Summary, keys: list[str]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _loose(summary: Summary) -> Iterator[tuple[str, str]]:
-    if "n_loose" not in summary:
-        return
-    n = summary["n_loose"]
-    if n == 0:
+def _film(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield whether a piece has come loose, and whether each glue holds, peels, or has let go."""
+    if n := summary.get("n_loose"):
+        x, y, z = (summary[f"loose_{axis}_mm"] for axis in "xyz")
+        pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
+        area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
+        yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    elif n is not None:
         yield "loose pieces", "none at the end of the run"
-        return
-    x, y, z = (summary[f"loose_{axis}_mm"] for axis in "xyz")
-    pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
-    area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
-    yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
-
-
-def _glue(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield whether each glue holds, has begun to peel, or has let go."""
-    for key in summary:
-        name = key.removesuffix("_let_go_rel")
-        if name == key:
-            continue
+    ending = "_let_go_rel"
+    for name in (key.removesuffix(ending) for key in summary if key.endswith(ending)):
         damaged, gone = (100.0 * summary[f"{name}_{what}_rel"] for what in ("damaged", "let_go"))
+        said = f"{gone:.3g} % of its area has let go"
         if damaged == 0.0:
             said = "it holds: no part is damaged"
         elif gone == 0.0:
@@ -115,34 +106,26 @@ def _glue(summary: Summary) -> Iterator[tuple[str, str]]:
             said = (
                 f"it holds, but {damaged:.2g} % of its area is damaged and lifted by up to {lift}"
             )
-        else:
-            said = f"{gone:.3g} % of its area has let go"
         if damaged > 0.0 and summary[f"{name}_resolved_rel"] < 1.0:
             said += " (doubtful: the quads do not resolve how it peels)"
         yield name, said
 
 
-def _flanks(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield how far cuts and tears lie beside the path of the cutting edges."""
-    if "off_path_mm" not in summary:
-        return
-    off = with_unit("off_path_mm", summary["off_path_mm"])
-    said = f"cuts lie within {off} of the path of the cutting edges"
-    if n := summary.get("n_tear", 0):
-        away = with_unit("tear_off_path_mm", summary["tear_off_path_mm"])
-        said += f"; {n} cuts are tears, up to {away} beside it"
-    yield "flanks", said
-
-
-def _sharpness(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield what the cutting edge's radius means for its cables, if the law has it."""
-    if "blunt_radius_mm" not in summary:
-        return
-    radius, blunt, energy = (
-        with_unit(key, summary[key])
-        for key in ("edge_radius_mm", "blunt_radius_mm", "severing_energy_N_per_mm")
-    )
-    yield (
-        "sharpness",
-        f"an edge of radius {radius} severs cables at {energy}; from {blunt} on it severs none",
-    )
+def _cut(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield how far cuts lie beside the path, and what the edge's radius means for its cables."""
+    if "off_path_mm" in summary:
+        off = with_unit("off_path_mm", summary["off_path_mm"])
+        said = f"cuts lie within {off} of the path of the cutting edges"
+        if n := summary.get("n_tear", 0):
+            away = with_unit("tear_off_path_mm", summary["tear_off_path_mm"])
+            said += f"; {n} cuts are tears, up to {away} beside it"
+        yield "flanks", said
+    if "blunt_radius_mm" in summary:
+        radius, blunt, energy = (
+            with_unit(key, summary[key])
+            for key in ("edge_radius_mm", "blunt_radius_mm", "severing_energy_N_per_mm")
+        )
+        yield (
+            "sharpness",
+            f"an edge of radius {radius} severs cables at {energy}; from {blunt} on it severs none",
+        )

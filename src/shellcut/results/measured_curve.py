@@ -117,7 +117,10 @@ def read_measured_curve(
     (array([ 0. , 13.2]), 'N*mm')
     """
     table = read_number_table(path)
-    given = _split_units(units)
+    texts = units.split(",") if isinstance(units, str) else units or ("", "")
+    given = [text.strip() for text in texts]
+    if len(given) != 2:
+        raise ValueError(f'units must be two, of x and y, as "deg, N*mm", got {units!r}')
     problems: list[str] = []
     columns = []
     for k, (which, name) in enumerate(zip((x, y), expected or ("", ""), strict=True)):
@@ -169,19 +172,6 @@ def curve_of_columns(
         raise FileError(path, problem) from None
     except ValueError as problem:
         raise FileError(path, str(problem)) from None
-
-
-def _split_units(units: str | Sequence[str] | None) -> list[str]:
-    if units is None:
-        return ["", ""]
-    parts = [u.strip() for u in (units.split(",") if isinstance(units, str) else units)]
-    if len(parts) != 2:
-        raise ValueError(f'units must be two, of x and y, as "deg, N*mm", got {units!r}')
-    return parts
-
-
-def _same(written: str, unit: str) -> bool:
-    return dimension(written) == dimension(unit) and conversion(written, unit) == 1.0
 
 
 def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int:

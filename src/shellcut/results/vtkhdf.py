@@ -125,7 +125,15 @@ class VtkHdfWriter:
         if until is None:
             self._create_new()
         else:
-            self._open_old()
+            if not is_ours(self._file) or not all(n in self._file["VTKHDF"] for n in _COLUMNS):
+                raise ValueError(
+                    f"{self.path} was not written by shellcut, or by an older version; move it "
+                    "away or start anew"
+                )
+            self._root = self._file["VTKHDF"]
+            self._columns = Columns(self._root)
+            self._beside = Columns(self._file[BESIDE])
+            self._series_names = tuple(self._root.get("FieldData", ()))
             self._drop_after(until)
         self._is_sound = True
 
@@ -144,27 +152,24 @@ class VtkHdfWriter:
         """
         self._target.check()
         with SignalsDeferred():
-            self._append(frame)
-
-    def _append(self, frame: Frame) -> None:
-        grid = grid_of(frame)
-        if not self._series_names:
-            self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
-        entry = self._append_cells(grid)
-        written = dict(self._cells_written)
-        point = self._columns.end("Points")
-        entry["PointOffsets"] = point
-        written["Points"] = self._columns.write("Points", point, grid.points)
-        for name, rows in grid.point_arrays.items():
-            written[name] = self._columns.write(f"PointData/{name}", point, rows)
-        cell = self._columns.end("CellData/part")
-        entry[_CELL_DATA_OFFSETS] = cell
-        for name, rows in grid.cell_arrays.items():
-            written[name] = self._columns.write(f"CellData/{name}", cell, rows)
-        self._append_row(frame, grid, entry, digest_of_arrays(written))
-        # The frame counts only once it is completely in the file.
-        self._file.flush()
-        self._count(self.n_frame + 1)
+            grid = grid_of(frame)
+            if not self._series_names:
+                self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
+            entry = self._append_cells(grid)
+            written = dict(self._cells_written)
+            point = self._columns.end("Points")
+            entry["PointOffsets"] = point
+            written["Points"] = self._columns.write("Points", point, grid.points)
+            for name, rows in grid.point_arrays.items():
+                written[name] = self._columns.write(f"PointData/{name}", point, rows)
+            cell = self._columns.end("CellData/part")
+            entry[_CELL_DATA_OFFSETS] = cell
+            for name, rows in grid.cell_arrays.items():
+                written[name] = self._columns.write(f"CellData/{name}", cell, rows)
+            self._append_row(frame, grid, entry, digest_of_arrays(written))
+            # The frame counts only once it is completely in the file.
+            self._file.flush()
+            self._count(self.n_frame + 1)
 
     def sync(self) -> None:
         """Wait until all frames are on the disk."""
@@ -269,17 +274,6 @@ class VtkHdfWriter:
             scalar_names=list(frame.scalars),
             scalar_units=[frame.scalar_units[name] for name in frame.scalars],
         )
-
-    def _open_old(self) -> None:
-        if not is_ours(self._file) or not all(name in self._file["VTKHDF"] for name in _COLUMNS):
-            raise ValueError(
-                f"{self.path} was not written by shellcut, or by an older version; move it away or "
-                "start anew"
-            )
-        self._root = self._file["VTKHDF"]
-        self._columns = Columns(self._root)
-        self._beside = Columns(self._file[BESIDE])
-        self._series_names = tuple(self._root.get("FieldData", ()))
 
     def _drop_after(self, until: float) -> None:
         columns = self._columns

@@ -19,10 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
-from shellcut.model_file import Model
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import half_width_of
@@ -299,7 +298,8 @@ def optimise(
     >>> found.best.values  # doctest: +SKIP
     {'tool.half_thickness': 0.2213}
     """
-    optuna = _optuna()
+    optuna = optional("optuna", "a search for the best values needs Optuna", "optimise")
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
     if bool(minimise) == bool(maximise):
         raise ValueError("give either minimise or maximise, the name of a result")
     if max_runs < 2:
@@ -342,25 +342,19 @@ def optimise(
                 several.append(found.second.values)
             try:
                 again: Sequence[Trial] = run(
-                    [{**v, **_further(confirm, variants.read(v))} for v in several]
+                    [
+                        {**v, **(finer_film(variants.read(v)) if confirm is None else confirm)}
+                        for v in several
+                    ]
                 )
                 again = _in_common(again, wanted) or again
-                found = replace(found, confirmed=tuple(again), where=_where(confirm))
+                keys = ", ".join(f"{key} = {value}" for key, value in (confirm or {}).items())
+                where = f"with {keys}" if keys else "on a finer film"
+                found = replace(found, confirmed=tuple(again), where=where)
             except NoFinerFilm as why:
                 found = replace(found, unconfirmed=str(why))
         found.write(folder)
     return found
-
-
-def _optuna() -> Any:
-    try:
-        import optuna
-    except ImportError:
-        raise ImportError(
-            f"a search for the best values needs Optuna: {pip_install('optimise')}"
-        ) from None
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    return optuna
 
 
 def _proposed(trial: Any, factors: Sequence[Factor]) -> dict[str, object]:
@@ -416,18 +410,6 @@ def _trial(
     spread = figures.get(half_width_of(sought))
     figure = float(figures[sought])
     return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
-
-
-def _further(confirm: Mapping[str, object] | None, model: Model) -> Mapping[str, object]:
-    """Return the keys that confirm a model: those given, or those of a finer film."""
-    return finer_film(model) if confirm is None else confirm
-
-
-def _where(confirm: Mapping[str, object] | None) -> str:
-    """Return on what the runs that confirm a search run."""
-    if confirm is None:
-        return "on a finer film"
-    return "with " + ", ".join(f"{key} = {value}" for key, value in confirm.items())
 
 
 def _in_common(trials: Sequence[Trial], figure: str) -> tuple[Trial, ...]:

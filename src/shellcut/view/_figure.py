@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.files.whole_file import atomic_write
 
 
@@ -18,15 +18,10 @@ def can_draw() -> bool:
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
     """Return an empty Matplotlib picture of ``size`` [inch] that draws off-screen (Agg)."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError(
-            f"pictures need Matplotlib, which is not installed: {pip_install('plot')}"
-        ) from error
-    figure = Figure(figsize=size, dpi=dpi, facecolor="white")
-    FigureCanvasAgg(figure)
+    needed = "pictures need Matplotlib, which is not installed"
+    of_figure = optional("matplotlib.figure", needed, "plot")
+    figure = of_figure.Figure(figsize=size, dpi=dpi, facecolor="white")
+    optional("matplotlib.backends.backend_agg", needed, "plot").FigureCanvasAgg(figure)
     return figure
 
 
