@@ -148,7 +148,11 @@ def curve_of_columns(
             problems.append(f'the unit of {name} must be given, as units="deg, N*mm"')
         elif dimension(unit or written) is None:
             problems.append(f"{name}: {_unknown(unit or written)}")
-        elif unit and written and not _same(written, unit):
+        elif (
+            unit
+            and written
+            and not (dimension(written) == dimension(unit) and conversion(written, unit) == 1.0)
+        ):
             notes.append(f"{name} has the heading unit {written}, but is read as {unit} as given")
     if problems:
         raise FileError(path, "; ".join(problems))

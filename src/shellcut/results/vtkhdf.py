@@ -130,7 +130,7 @@ class VtkHdfWriter:
                     f"{self.path} was not written by shellcut, or by an older version; move it "
                     "away or start anew"
                 )
-            self._root = self._file["VTKHDF"]
+            self._root: Any = self._file["VTKHDF"]
             self._columns = Columns(self._root)
             self._beside = Columns(self._file[BESIDE])
             self._series_names = tuple(self._root.get("FieldData", ()))
@@ -235,7 +235,7 @@ class VtkHdfWriter:
         self.n_frame = n_frame
 
     def _create_new(self) -> None:
-        self._root: Any = self._file.create_group("VTKHDF")
+        self._root = self._file.create_group("VTKHDF")
         self._root.attrs["Version"] = np.array(_VERSION)
         # VTK needs ASCII of fixed length here, which h5py does not write by default.
         kind = b"UnstructuredGrid"

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -113,13 +114,15 @@ def _keyed(schemas: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any
 
 def write_study(path: Path, planned: Plan) -> None:
     """Write the study file of a plan, from which the same runs follow."""
-    study = planned.definition
+    study, figures = planned.definition, planned.definition.figures
+    with suppress(OSError, ValueError):  # those of an earlier file at this place, if none are given
+        figures = figures or read_study(path).figures
     model = Path(study.model)
     lines = [
         "#:schema ./shellcut-study.schema.json",
         "# The study whose runs are beside this file: `shellcut sweep` finds them again by it.",
         f"model = {written(str(model.resolve()) if model.is_file() else study.model)}",
-        *_figures_line(path, planned),
+        *([f"figures = {written(list(figures))}"] if figures else []),
         "",
         "[set]",
         *(f"{written(key)} = {written(value)}" for key, value in study.settings.items()),
@@ -133,16 +136,6 @@ def write_study(path: Path, planned: Plan) -> None:
     if study.design.n is not None:
         lines += [f"n = {study.design.n}", f"seed = {study.design.seed}"]
     write_text(path, "\n".join(lines) + "\n")
-
-
-def _figures_line(path: Path, planned: Plan) -> list[str]:
-    """Return the line of the values, those of an earlier file at this place if none are given."""
-    figures = planned.definition.figures
-    try:
-        figures = figures or read_study(path).figures
-    except (OSError, ValueError):
-        return []
-    return [f"figures = {written(list(figures))}"] if figures else []
 
 
 def _values(factor: Factor) -> str:

@@ -159,11 +159,8 @@ class Progress:
                 line += f": {said}"
             if self._log is not None:
                 self._log(line)
-            self._write(line)
-
-    def _write(self, text: str) -> None:
-        self._stream.write(f"{self._label}: {text}\n")
-        self._stream.flush()
+            self._stream.write(f"{self._label}: {line}\n")
+            self._stream.flush()
 
 
 def _bar_on(stream: TextIO) -> Any:
