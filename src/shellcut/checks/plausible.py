@@ -51,7 +51,6 @@ def check_numbers(
     """Yield implausible values of film, material, law and tool size."""
     yield from _thickness(mesh, material)
     yield from _layers(material)
-    yield from _yielding(material)
     if law is not None:
         yield from _law(mesh, material, law)
     if tool is not None:
@@ -130,10 +129,6 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
                 f"{density:.4g} t/mm³",
                 "one of the two is not in MPa or t/mm³",
             )
-
-
-def _yielding(material: ShellMaterial) -> Iterator[Finding]:
-    """Yield what is implausible of layers that yield."""
     films = [layer.material for layer in material.layers if isinstance(layer.material, Plastic)]
     for first, young in sorted({(f.hardening.first_yield, f.stretching_modulus) for f in films}):
         if (strain := first / young) > LARGEST_YIELD_STRAIN:

@@ -43,7 +43,14 @@ def check_strength(material: ShellMaterial, law: CohesiveTable | None) -> Iterat
             "are forces over the undeformed section",
         )
         return
-    reached = _strain_at(material, law.strength)
+    found = []  # strains at which it first carries the strength in plane strain
+    for across in (False, True):
+        curve = nominal_curve(material, "plane strain", across=across)
+        assert curve is not None
+        above = np.flatnonzero(curve[1] >= law.strength)
+        if len(above):
+            found.append(float(curve[0][above[0]]))
+    reached = min(found, default=None)
     elastic = law.strength * material.thickness / material.stretching_stiffness
     if reached is None:
         yield note(
@@ -66,15 +73,3 @@ def _carries(most: LargestNominalStress) -> str:
 
 def _per_cent(strain: float) -> str:
     return f"{100 * strain:.0f} %" if strain >= 0.1 else f"{100 * strain:.2g} %"
-
-
-def _strain_at(material: ShellMaterial, stress: float) -> float | None:
-    """Return the strain at which the film first carries a stress [MPa] in plane strain."""
-    found = []
-    for across in (False, True):
-        curve = nominal_curve(material, "plane strain", across=across)
-        assert curve is not None
-        above = np.flatnonzero(curve[1] >= stress)
-        if len(above):
-            found.append(float(curve[0][above[0]]))
-    return min(found, default=None)

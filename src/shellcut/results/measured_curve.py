@@ -132,15 +132,8 @@ def read_measured_curve(
         problems.append(f"x and y must be two columns, both are {table.name(columns[0])}")
     if problems:
         raise FileError(path, "; ".join(dict.fromkeys(problems)))
-    return curve_of_columns(table, columns, given)
-
-
-def curve_of_columns(
-    table: NumberTable, columns: list[int], units: Sequence[str] = ("", "")
-) -> MeasuredCurve:
-    """Return the curve of two columns, given by index; empty units are those of the headings."""
-    path, problems, notes, taken = table.path, list[str](), list[str](), list[str]()
-    for column, unit in zip(columns, units, strict=True):
+    notes, taken = list[str](), list[str]()
+    for column, unit in zip(columns, given, strict=True):
         written = table.headings[column].unit if table.headings else ""
         name = table.name(column)
         taken.append(unit or written)
@@ -148,12 +141,10 @@ def curve_of_columns(
             problems.append(f'the unit of {name} must be given, as units="deg, N*mm"')
         elif dimension(unit or written) is None:
             problems.append(f"{name}: {_unknown(unit or written)}")
-        elif (
-            unit
-            and written
-            and not (dimension(written) == dimension(unit) and conversion(written, unit) == 1.0)
-        ):
-            notes.append(f"{name} has the heading unit {written}, but is read as {unit} as given")
+        elif unit and written:
+            alike = dimension(written) == dimension(unit) and conversion(written, unit) == 1.0
+            note = f"{name} has the heading unit {written}, but is read as {unit} as given"
+            notes += [] if alike else [note]
     if problems:
         raise FileError(path, "; ".join(problems))
     values = table.numbers(columns)

@@ -25,6 +25,13 @@ def new_figure(size: tuple[float, float], dpi: float) -> Any:
     return figure
 
 
+def add_lines(axes: Any, points: Any, *, kind: str = "LineCollection", **style: Any) -> Any:
+    """Add a collection of lines, or of another ``kind``, through points (n, n_point, 2)."""
+    import matplotlib.collections
+
+    return axes.add_collection(getattr(matplotlib.collections, kind)(list(points), **style))
+
+
 def save(figure: Any, path: str | os.PathLike[str]) -> None:
     """Write the picture to ``path``; the suffix sets the format. An existing file is replaced.
 
