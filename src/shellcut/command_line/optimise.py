@@ -20,7 +20,6 @@ from .shared_arguments import (
     keys_with_values,
     named,
     print_found,
-    settings_of,
 )
 
 
@@ -72,7 +71,9 @@ def run(arguments: argparse.Namespace) -> int:
             minimise=arguments.minimise,
             maximise=arguments.maximise,
             subject_to=arguments.subject_to,
-            settings=settings_of(arguments, str),  # texts: lists and ranges are read later
+            settings=keys_with_values(
+                "--set", arguments.settings, str
+            ),  # texts: lists and ranges are read later
             confirm=confirm,
             max_runs=arguments.max_runs,
             allow_doubts=arguments.allow_doubts,

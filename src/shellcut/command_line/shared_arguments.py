@@ -40,13 +40,6 @@ def add_settings_to(parser: argparse.ArgumentParser, more: str = "") -> None:
     )
 
 
-def settings_of(
-    arguments: argparse.Namespace, read: Callable[[str], object] = parse_value
-) -> dict[str, object]:
-    """Return the keys set, with their values read; see :func:`keys_with_values`."""
-    return keys_with_values("--set", arguments.settings, read)
-
-
 def keys_with_values(
     flag: str, texts: Sequence[str], read: Callable[[str], object] = parse_value
 ) -> dict[str, object]:

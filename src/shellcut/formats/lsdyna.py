@@ -192,11 +192,6 @@ class _Reader(Deck):
         each = zip(of_parts.tolist(), np.split(order, first[1:]), strict=False)
         members_of: dict[int, Ints] = dict(each)
 
-        def shells_of(part: int) -> Ints:
-            shells = members_of.get(part, _NONE)
-            self.budget.take("ids in its sets", len(shells))
-            return shells
-
         self.notes += unused_note(+self.unused)
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
@@ -208,7 +203,8 @@ class _Reader(Deck):
         ]
         cell_sets += self._sets_of("shell", shells)
         for name, sid, members in self._sets_of("part", None):
-            rows = [shells_of(part) for part in members.tolist()]
+            rows = [members_of.get(part, _NONE) for part in members.tolist()]
+            self.budget.take("ids in its sets", sum(map(len, rows)))
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
         # a triangle is a quad with its last corner repeated, as in the file
         n = sum(not quadratic for *_, quadratic in self.shells)

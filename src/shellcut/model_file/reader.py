@@ -148,18 +148,22 @@ def shipped_models() -> dict[str, str]:
     return {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8") for entry in found}
 
 
+def read_source(path: str | os.PathLike[str]) -> Source:
+    """Return the content of a TOML file; ModelFileError if it cannot be read, or is none."""
+    try:
+        text = in_one_form(read_regular(path, _LARGEST)).decode()
+    except OSError as error:
+        said = f"cannot be read: {error.strerror or error}"
+        raise ModelFileError([Problem(str(path), said)]) from None
+    except UnicodeDecodeError:
+        wants = "must be text in UTF-8, as TOML requires: save it so in the editor"
+        raise ModelFileError([Problem(str(path), wants)]) from None
+    return parse(text, str(path), Path(path).resolve().parent)
+
+
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
-    path = Path(name_or_path)
-    if _is_there(path):
-        try:
-            text = in_one_form(read_regular(path, _LARGEST)).decode()
-        except OSError as error:
-            said = error.strerror or error
-            raise ModelFileError([Problem(str(path), f"cannot be read: {said}")]) from None
-        except UnicodeDecodeError:
-            wants = "must be text in UTF-8, as TOML requires: save it so in the editor"
-            raise ModelFileError([Problem(str(path), wants)]) from None
-        return parse(text, str(name_or_path), path.resolve().parent)
+    if _is_there(Path(name_or_path)):
+        return read_source(name_or_path)
     shipped = shipped_models()
     if str(name_or_path) in shipped:
         source = parse(shipped[str(name_or_path)], f"model {name_or_path}", Path.cwd())

@@ -38,7 +38,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.unit import with_unit
 
 from .energy_account import CABLES, driving_work, growth_shares
-from .steady_mean import LEAST, Change, change_in, mean_of, n_cosine
+from .steady_mean import LEAST, change_in, mean_of, n_cosine
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -193,20 +193,15 @@ def _tested(
     if from_start and change.at is not None and later < last and change.at <= way[later]:
         with suppress(_NoWindow):
             return _tested(history, coordinate, cuts, later, last, from_start=False)
-    raise _NoWindow(_not_steady(change, coordinate, float(x[first]), float(x[last])))
-
-
-def _not_steady(change: Change, coordinate: tuple[str, str], low: float, high: float) -> str:
-    """Return in words how torque or force changes between two places."""
-    turns = coordinate[1] == "deg"
-    figure, unit = ("torque", "N*mm") if turns else ("force", "N")
-    before, after = (with_unit(level, unit) for level in (change.before, change.after))
-    start, end = (with_unit(place, coordinate[1]) for place in (low, high))
+    turns = unit == "deg"
+    figure, of_figure = ("torque", "N*mm") if turns else ("force", "N")
+    before, after = (with_unit(level, of_figure) for level in (change.before, change.after))
+    start, end = (with_unit(float(x[row]), unit) for row in (first, last))
     if change.at is None:
-        return f"the {figure} drifts from {before} at {start} to {after} at {end}"
-    at = with_unit(float(np.degrees(change.at)) if turns else change.at, coordinate[1])
-    first, then = f"{before} from {start} on", f"{after} to {end}"
-    return f"the {figure} jumps at {at}: its mean is {first}, then {then}"
+        raise _NoWindow(f"the {figure} drifts from {before} at {start} to {after} at {end}")
+    at = with_unit(float(np.degrees(change.at)) if turns else change.at, unit)
+    means = f"its mean is {before} from {start} on, then {after} to {end}"
+    raise _NoWindow(f"the {figure} jumps at {at}: {means}")
 
 
 def _way(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> Floats:
