@@ -178,7 +178,7 @@ def ending(summary: Summary, *, verbose: bool) -> Iterator[str]:
     lines = [Line(**line) for line in summary.get("verdict", ())]
     kinds = ([line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note"))
     doubts, passed, notes = kinds
-    first = [line for line in notes if line in single_doubts(summary)]
+    first = [line for line in notes if line in [*single_doubts(summary)]]
     folded = first if verbose else first + repeated_notes(summary)
     left = [line for line in notes if line not in folded]
     yield from filter(None, [conclusion(summary, len(doubts)), *map(str, doubts + first)])

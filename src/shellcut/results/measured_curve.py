@@ -163,8 +163,7 @@ def read_measured_curve(
             notes=tuple(notes),
         )
     except _RunsBack as back:
-        problem = f"{back}; there in line {table.lines[back.row]}"
-        raise FileError(path, problem) from None
+        raise FileError(path, f"{back}; there in line {table.lines[back.row]}") from None
     except ValueError as problem:
         raise FileError(path, str(problem)) from None
 

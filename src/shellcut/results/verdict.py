@@ -345,7 +345,8 @@ def _depths(figures: Figures) -> Iterator[Line]:
         )
 
 
-def _stiff_flanks(figures: Figures) -> Iterator[Line]:
+def single_doubts(figures: Figures) -> Iterator[Line]:
+    """Yield the notes on single values that are doubtful, while the others may be right."""
     if distrusted_figures(figures):
         side, bent = figures["path_edge_mm"], figures["bending_length_mm"]
         yield Line(
@@ -357,11 +358,6 @@ def _stiff_flanks(figures: Figures) -> Iterator[Line]:
             "0.4 mm) the axial force is between -1.8 and 2.4 N, and the two differ by 0.1 to "
             "1.1 N. If you need this force, compare finer films (shellcut converge).",
         )
-
-
-def single_doubts(figures: Figures) -> list[Line]:
-    """Return the notes on single values that are doubtful, while the others may be right."""
-    return [*_stiff_flanks(figures)]
 
 
 def repeated_notes(figures: Figures) -> list[Line]:
@@ -532,7 +528,7 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _speed,
     _contact,
     _depths,
-    _stiff_flanks,
+    single_doubts,
     _cut,
     _account,
     _window,

@@ -325,6 +325,5 @@ class VtkHdfWriter:
 
 def is_ours(file: Any) -> bool:
     """Whether an open file was written by this class; an older one may lack some arrays."""
-    wanted = ["VTKHDF/Steps", "VTKHDF/CellData/part"]
-    wanted += [f"{BESIDE}/{name}" for name in ("counts", "pose", DIGESTS)]
-    return all(name in file for name in wanted)
+    of_vtk = ("VTKHDF/Steps", "VTKHDF/CellData/part")
+    return all(name in file for name in (*of_vtk, *(f"{BESIDE}/{name}" for name in _BESIDE)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -70,10 +71,12 @@ def fields_of(frame: Frame) -> dict[str, Field]:
     found = {field.name: field for field in _OF_ALL}
     for key in frame.quad_history:
         name, _, unit = key.removesuffix("]").partition(" [")
-        found[name] = Field(
-            name, name, unit, "quad", lambda frame, key=key: frame.quad_history[key]
-        )
+        found[name] = Field(name, name, unit, "quad", partial(_history, key))
     return {name: _shown(field) for name, field in found.items()}
+
+
+def _history(key: str, frame: Frame) -> Floats:
+    return frame.quad_history[key]
 
 
 def _shown(field: Field) -> Field:
