@@ -213,8 +213,10 @@ class _Reader(Deck):
             for kind, rows in ((QUAD, slice(n)), (_QUADRATIC, slice(n, None)))
             if len(corners[rows])
         ]
-        for kind, ids in self.others.items():
-            blocks.append(CellBlock(kind, ids, np.empty((len(ids), 0), np.int64)))
+        blocks += [
+            CellBlock(kind, ids, np.empty((len(ids), 0), np.int64))
+            for kind, ids in self.others.items()
+        ]
         return FileMesh(
             self.path,
             positions,

@@ -248,8 +248,10 @@ class _Film:
                 self.node_sets[name] = np.concatenate([members, more])
             else:
                 self.node_sets[name] = split.with_middles(members)
-        for name, members in self.quad_sets.items():
-            self.quad_sets[name] = np.flatnonzero(np.isin(split.parent, members))
+        self.quad_sets = {
+            name: np.flatnonzero(np.isin(split.parent, members))
+            for name, members in self.quad_sets.items()
+        }
         self.nodes, self.quads = split.nodes, split.quads
         n_new = len(split.nodes) - split.n_node
         self.node_labels = [*map(str, self.node_labels), *["(new)"] * n_new]

@@ -189,6 +189,8 @@ def ending(summary: Summary, *, verbose: bool) -> Iterator[str]:
         yield counted(len(passed), "check") + " passed" + listed
     yield from map(str, passed * verbose + left)
     yield ""
-    for words, energy, share in chain(*account(summary)):
-        yield f"{words:<52} {number_with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %"
+    yield from (
+        f"{words:<52} {number_with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %"
+        for words, energy, share in chain(*account(summary))
+    )
     yield from (f"{label:<52} {value:>14}" for label, value in key_figures(summary, _COUNTS))

@@ -157,15 +157,13 @@ class VtkHdfWriter:
                 self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
             entry = self._append_cells(grid)
             written = dict(self._cells_written)
-            point = self._columns.end("Points")
-            entry["PointOffsets"] = point
+            entry["PointOffsets"] = point = self._columns.end("Points")
             written["Points"] = self._columns.write("Points", point, grid.points)
-            for name, rows in grid.point_arrays.items():
-                written[name] = self._columns.write(f"PointData/{name}", point, rows)
-            cell = self._columns.end("CellData/part")
-            entry[_CELL_DATA_OFFSETS] = cell
-            for name, rows in grid.cell_arrays.items():
-                written[name] = self._columns.write(f"CellData/{name}", cell, rows)
+            entry[_CELL_DATA_OFFSETS] = cell = self._columns.end("CellData/part")
+            of_points, of_cells = grid.point_arrays, grid.cell_arrays
+            for of, at, arrays in (("Point", point, of_points), ("Cell", cell, of_cells)):
+                for name, rows in arrays.items():
+                    written[name] = self._columns.write(f"{of}Data/{name}", at, rows)
             self._append_row(frame, grid, entry, digest_of_arrays(written))
             # The frame counts only once it is completely in the file.
             self._file.flush()

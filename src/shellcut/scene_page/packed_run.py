@@ -59,9 +59,7 @@ def packed(
     Frames are read one after the other; what the page shows of them is kept in single precision.
     """
     of_fields = {f"field-{k}": field for k, field in enumerate(fields)}
-    made = dict(_TABLES)
-    for name, field in of_fields.items():
-        made[name] = partial(_column_of, field), np.float32
+    made = _TABLES | {name: (partial(_column_of, f), np.float32) for name, f in of_fields.items()}
     rows: dict[str, Rows] = {name: [] for name in made}
     frames, legend, tool = [], dict[str, dict[str, Any]](), dict[str, Any]()
     for number in numbers:

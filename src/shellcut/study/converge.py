@@ -163,8 +163,8 @@ def companions_of(
     shape = model.head.imperfection
     if shape is None:
         shape = int("tool" in model.sections and model.sections["tool"].kind != "bar")
-    for k in (shape + 1, shape + 2):
-        runs[Run(f"shape {k}", CHANCE, 1.0)] = {"imperfection": k}
+    others = (shape + 1, shape + 2)
+    runs |= {Run(f"shape {k}", CHANCE, 1.0): {"imperfection": k} for k in others}
     places = {key: key.rpartition(".") for keys in runs.values() for key in keys}
     given: dict[str, object] = {
         key: (model.sections[title] if title else model.head).values[name]

@@ -186,8 +186,8 @@ def edge_length(frame: Frame) -> float:
 def title_parts(frame: Frame) -> list[str]:
     """Return the title of a frame: coordinate, first scalar and time, with units."""
     parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]
-    for name in list(frame.scalars)[:1]:
-        parts.append(f"{name} {with_unit(frame.scalars[name], frame.scalar_units[name])}")
+    first = list(frame.scalars.items())[:1]
+    parts += [f"{name} {with_unit(value, frame.scalar_units[name])}" for name, value in first]
     return [*parts, f"time {1e3 * frame.time:.3f} ms"]
 
 

@@ -173,9 +173,8 @@ def _runs(study: Study, page: Path) -> str:
 
 
 def _row(study: Study, row: int, page: Path) -> str:
-    status, cells = study.status[row], []
-    for one in study.inputs:
-        cells.append(_cell(one.texts[row] if one.names else one.values[row]))
+    status = study.status[row]
+    cells = [_cell(one.texts[row] if one.names else one.values[row]) for one in study.inputs]
     cells += [_cell(figure.values[row]) for figure in study.figures]
     kind = {"failed": "bad", "done": "doubted" if study.doubted[row] else ""}.get(status, "waits")
     reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""
