@@ -22,6 +22,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import accumulate
 from pathlib import Path
 from typing import Literal
 
@@ -139,8 +140,7 @@ class _Reader(Deck):
 
     def _shells(self, block: CardBlock) -> None:
         options = [option for option in block.name.split("_")[2:] if option]
-        unknown = [option for option in options if option not in _SHELL_CARDS]
-        if unknown:
+        if unknown := [option for option in options if option not in _SHELL_CARDS]:
             raise block.error(
                 f"options must be among {', '.join(_SHELL_CARDS)}, got {', '.join(unknown)}"
             )
@@ -257,8 +257,7 @@ class _Reader(Deck):
         if how == "LIST":
             return _found(block, _integers(block, cards), numbers)
         if how == "COLUMN":
-            widths = _EIGHT[block.layout]
-            ids = [_id(card, card.fields(widths)[0], "an id") for card in cards]
+            ids = [_id(card, card.fields(_EIGHT[block.layout])[0], "an id") for card in cards]
             return _found(block, ids, numbers)
         if how in ("LIST_GENERATE", "GENERATE") and numbers is not None:
             ends = _integers(block, cards)
@@ -307,16 +306,13 @@ class Card(Line):
             if any(entries[len(widths) :]):
                 raise self.error(f"a card must have {len(widths)} entries at most")
             return entries[: len(widths)]
-        entries, at = [], 0
-        for width in widths:
-            entries.append(self.text[at : at + width].strip())
-            at += width
+        *starts, at = accumulate(widths, initial=0)
         if self.text[at:].strip():
             raise self.error(
                 f"a card must end at column {at}, got {self.text[at:].strip()[:20]!r} beyond; is "
                 "it in another layout (*KEYWORD LONG=Y, I10=Y)?"
             )
-        return entries
+        return [self.text[k : k + n].strip() for k, n in zip(starts, widths, strict=True)]
 
     def integer(self, entry: str, what: str) -> int:
         """Return an entry as a whole number, 0 if it is empty."""

@@ -406,11 +406,9 @@ class QuadSplit:
 
     def middles(self, lines: Ints) -> Ints:
         """Return the midpoints of those lines, shape (n_line, 2), that are sides of quads."""
-        ordered = np.sort(lines, axis=1)
-        key = product(ordered, np.array([self.n_node, 1]))
-        keys = product(self.side_ends, np.array([self.n_node, 1]))
-        found: Ints = np.flatnonzero(np.isin(keys, key)) + self.n_node
-        return found
+        places = np.array([self.n_node, 1])
+        sought, keys = product(np.sort(lines, axis=1), places), product(self.side_ends, places)
+        return np.asarray(np.flatnonzero(np.isin(keys, sought)) + self.n_node)
 
 
 def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
@@ -425,8 +423,7 @@ def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
     """
     n_node = len(nodes)
     start = np.concatenate([quads.ravel(), triangles.ravel()])
-    following = (np.roll(cells, -1, axis=1).ravel() for cells in (quads, triangles))
-    end = np.concatenate(list(following))
+    end = np.concatenate([np.roll(cells, -1, axis=1).ravel() for cells in (quads, triangles)])
     keys, side, n_cell = np.unique(
         np.minimum(start, end) * n_node + np.maximum(start, end),
         return_inverse=True,

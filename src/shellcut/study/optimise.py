@@ -227,9 +227,8 @@ class Optimum:
             if state in states
         ]
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
-        name = label_of(self.figure)
-        unit = unit_of(self.figure)
-        return Diagram(n, curves, "number of the run", "", name, unit, zero=False, whole=True)
+        names = "number of the run", "", label_of(self.figure), unit_of(self.figure)
+        return Diagram(n, curves, *names, zero=False, whole=True)
 
 
 def optimise(
@@ -328,9 +327,8 @@ def optimise(
             for one, trial in zip(asked, done, strict=True):
                 one.set_constraint("limits", trial.missed)
                 one.set_constraint("doubts", 0.0 if allow_doubts else len(trial.doubts))
-                failed = trial.figure is None
                 value = None if trial.figure is None else sign * trial.figure
-                study.tell(one, value, optuna.trial.TrialState.FAIL if failed else None)
+                study.tell(one, value, optuna.trial.TrialState.FAIL if value is None else None)
             trials += done
         kept = tuple(subject_to)
         found = Optimum(wanted, sign, kept, tuple(trials), allow_doubts=allow_doubts)
@@ -407,8 +405,7 @@ def _trial(
     for key, (_, sign, bound) in zip(keys, limits, strict=True):
         beyond = limited[key] - bound
         missed += {"<=": max(beyond, 0.0), ">=": max(-beyond, 0.0), "==": abs(beyond)}[sign]
-    spread = figures.get(half_width_of(sought))
-    figure = float(figures[sought])
+    figure, spread = float(figures[sought]), figures.get(half_width_of(sought))
     return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
 
 
