@@ -236,8 +236,7 @@ class Frame:
         for name in ("time", "coordinate"):
             if not np.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
-        unpaired = sorted(set(self.scalars) ^ set(self.scalar_units))
-        if unpaired:
+        if unpaired := sorted(set(self.scalars) ^ set(self.scalar_units)):
             raise ValueError(f"scalars and scalar_units must have the same names, not {unpaired}")
         scalars = {name: float(value) for name, value in self.scalars.items()}
         for name, value in scalars.items():

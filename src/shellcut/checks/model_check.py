@@ -54,8 +54,7 @@ class ModelCheck:
         RefusedModel
             Lists every refusal.
         """
-        refused = [f for f in self.of(REFUSE) if not (force and f.forcible)]
-        if refused:
+        if refused := [f for f in self.of(REFUSE) if not (force and f.forcible)]:
             raise RefusedModel(refused)
 
     @property

@@ -197,8 +197,7 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
         for b in range(tool.n_body)
     ]
     extents = [float(np.linalg.norm(np.ptp(x, axis=0))) for x in bodies]
-    small = [b for b, extent in enumerate(extents) if extent < edge]
-    if small:
+    if small := [b for b, extent in enumerate(extents) if extent < edge]:
         yield doubt(
             "a tooth should be longer than the side of a quad: contact sees nodes only, and "
             "between them nothing resists the tooth",

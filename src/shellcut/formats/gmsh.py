@@ -113,8 +113,7 @@ class _Reader(Content):
             if name in seen:
                 raise self.error(f"each section must occur once, got ${name} again")
             seen.add(name)
-            in_text = not self.order or name == "PhysicalNames"
-            if in_text:
+            if in_text := not self.order or name == "PhysicalNames":
                 start = self.at
                 self._skip_to_end(name)
                 end = self.content.rfind(b"$End", start, self.at)

@@ -126,8 +126,7 @@ class RunFiles:
         written at this time [s], and there were so many pictures.
         """
         growing = (self.folder / HISTORY, result_file(self.folder, self._name))
-        gone = [str(file) for file in growing if not file.exists()]
-        if gone:
+        if gone := [str(file) for file in growing if not file.exists()]:
             raise FileNotFoundError(
                 f"cannot append to {' and '.join(gone)}: not there; run it from the beginning"
             )

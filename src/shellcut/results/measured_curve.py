@@ -223,8 +223,7 @@ def _in_order(x: Floats, y: Floats) -> tuple[Floats, Floats, list[str]]:
     if reach == 0.0:
         raise ValueError(f"the coordinate must increase, but all {n} points are at {x[0]:g}")
     # the way that most rows go; one row that leaps does not turn it
-    falling = bool(np.sign(np.diff(x)).sum() < 0.0)
-    if falling:
+    if falling := bool(np.sign(np.diff(x)).sum() < 0.0):
         notes.append("the coordinate decreases: the order of the points was reversed")
         x, y = x[::-1], y[::-1]
     behind = np.maximum.accumulate(x) - x

@@ -109,8 +109,7 @@ def factor(name: str, given: object) -> Factor:
         values = [given]
     if not values:
         raise ValueError(f"{name} must have at least one value, got {given!r}")
-    repeated = [one for k, one in enumerate(values) if one in values[:k]]
-    if repeated:
+    if repeated := [one for k, one in enumerate(values) if one in values[:k]]:
         raise ValueError(f"{name} must have each value once, got {repeated[0]!r} twice")
     return Factor(keys, tuple(values))
 
