@@ -327,28 +327,26 @@ class _Kind(NamedTuple):
 
 
 _ANYTHING = _Kind(("anything",), lambda value: True)
+_PLAIN: dict[Any, _Kind] = {
+    Any: _ANYTHING,
+    **dict.fromkeys((None, types.NoneType), _Kind(("None",), lambda value: value is None)),
+    float: _Kind(("a number",), lambda value: is_number(value)),
+    int: _Kind(("a whole number",), lambda value: is_number(value, Integral)),
+    bool: _Kind(("True or False",), lambda value: isinstance(value, bool | np.bool_)),
+    str: _Kind(("a text",), lambda value: isinstance(value, str)),
+}
 
 
 def _kind(annotation: Any) -> _Kind:
     origin, parts = get_origin(annotation), get_args(annotation)
-    if annotation is Any:
-        return _ANYTHING
-    if annotation in (None, types.NoneType):
-        return _Kind(("None",), lambda value: value is None)
+    if annotation in _PLAIN:
+        return _PLAIN[annotation]
     if _is_array_kind(annotation):
         return _Kind(("an array of real numbers",), _is_array)
     if origin in (Union, types.UnionType):
         some = [_kind(part) for part in _alternatives(annotation)]
         words = [word for kind in some for word in kind.words if word != "None"]
         return _Kind(tuple(words), lambda value: any(kind.fits(value) for kind in some))
-    if annotation is float:
-        return _Kind(("a number",), lambda value: is_number(value))
-    if annotation is int:
-        return _Kind(("a whole number",), lambda value: is_number(value, Integral))
-    if annotation is bool:
-        return _Kind(("True or False",), lambda value: isinstance(value, bool | np.bool_))
-    if annotation is str:
-        return _Kind(("a text",), lambda value: isinstance(value, str))
     if origin is Literal:
         return _Kind(
             tuple(repr(part) for part in parts),

@@ -209,11 +209,17 @@ class Frame:
     def __post_init__(self) -> None:
         n = {entity: len(getattr(self, array)) for entity, array in SIZED_BY.items()}
         for name, rows in ROWS.items():
-            self._fill_in(name, rows, n)
-            shape = ((n[rows.of],) if rows.of else ()) + rows.shape
+            value, shape = getattr(self, name), ((n[rows.of],) if rows.of else ()) + rows.shape
+            if not len(value) and isinstance(rows.left_out, str):
+                value = getattr(self, rows.left_out)
+            elif not len(value):
+                empty = rows.left_out is None
+                value = np.full(
+                    (0, *rows.shape) if empty else shape, rows.left_out or 0, rows.dtype
+                )
             if rows.widens:
-                shape = (*shape[:-1], max(shape[-1], *np.shape(getattr(self, name))[-1:]))
-            array = _checked(name, getattr(self, name), rows.dtype, shape)
+                shape = (*shape[:-1], max(shape[-1], *np.shape(value)[-1:]))
+            array = _checked(name, value, rows.dtype, shape)
             object.__setattr__(self, name, array)
         history = {
             name: _checked(f"quad_history {name!r}", numbers, np.float64, (n["quad"],))
@@ -230,8 +236,7 @@ class Frame:
         for name in ("time", "coordinate"):
             if not np.isfinite(getattr(self, name)):
                 raise ValueError(f"{name} must be finite, got {getattr(self, name)}")
-        unpaired = sorted(set(self.scalars) ^ set(self.scalar_units))
-        if unpaired:
+        if unpaired := sorted(set(self.scalars) ^ set(self.scalar_units)):
             raise ValueError(f"scalars and scalar_units must have the same names, not {unpaired}")
         scalars = {name: float(value) for name, value in self.scalars.items()}
         for name, value in scalars.items():
@@ -239,17 +244,6 @@ class Frame:
                 raise ValueError(f"scalar {name!r} must be finite, got {value}")
         object.__setattr__(self, "scalars", MappingProxyType(scalars))
         object.__setattr__(self, "scalar_units", MappingProxyType(dict(self.scalar_units)))
-
-    def _fill_in(self, name: str, rows: Rows, n: Mapping[str, int]) -> None:
-        if len(getattr(self, name)):
-            return
-        if rows.left_out is None:
-            value = np.zeros((0, *rows.shape), rows.dtype)
-        elif isinstance(rows.left_out, str):
-            value = getattr(self, rows.left_out)
-        else:
-            value = np.full((n[rows.of], *rows.shape), rows.left_out, rows.dtype)
-        object.__setattr__(self, name, value)
 
     @property
     def displacement(self) -> Floats:

@@ -208,8 +208,10 @@ def _curve(
         for name, values in (("strains", x), ("stresses", y))
         for k in np.flatnonzero(~np.isfinite(values))[:1].tolist()
     ]
-    for k in np.flatnonzero(np.diff(x) < 0.0)[:1].tolist():
-        problems.append(f"strains must not fall, got {x[k]:g} and {x[k + 1]:g} in row {k + 2}")
+    problems += [
+        f"strains must not fall, got {x[k]:g} and {x[k + 1]:g} in row {k + 2}"
+        for k in np.flatnonzero(np.diff(x) < 0.0)[:1].tolist()
+    ]
     if not problems and (len(y) < _FEW or np.argmax(y) + 1 < _FEW or y.max() <= 0.0):
         problems.append(f"stresses must rise above 0 over at least {_FEW} rows")
     if problems:

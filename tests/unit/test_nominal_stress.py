@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from shellcut.checks.yielding import check_strength
+from shellcut.checks.strength import check_strength
 from shellcut.material.hardening import ACCURACY
 from shellcut.material.nominal_stress import largest_nominal_stress, nominal_curve
 

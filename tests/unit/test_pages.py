@@ -24,7 +24,7 @@ from films import unstructured_disc, write_gmsh
 from shellcut import read_model
 from shellcut.command_line import main
 from shellcut.command_line.main import parser_of_all
-from shellcut.command_line.shared_arguments import settings_of
+from shellcut.command_line.shared_arguments import keys_with_values
 from shellcut.model_file import shipped_models
 from shellcut.study.plan import sought
 from shellcut.tool.shapes import tooth_ring
@@ -325,9 +325,9 @@ def test_commands_are_understood(line, tmp_path, monkeypatch, capsys):
         if arguments.command == "sweep":
             assert main([*words, "--dry-run"]) == 0, capsys.readouterr().err
         elif arguments.command in ("fit", "optimise"):
-            sought(arguments.model, settings_of(arguments, str))
+            sought(arguments.model, keys_with_values("--set", arguments.settings, str))
         else:
-            settings = settings_of(arguments)
+            settings = keys_with_values("--set", arguments.settings)
             for file in (str(v) for v in settings.values() if re.search(r"\.(stl|msh)$", str(v))):
                 Path(file).parent.mkdir(exist_ok=True)
                 Path(file).touch()

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from shellcut.results.ending import conclusion, ending
+from shellcut.results.answers import conclusion, ending
 from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import LOGGER, Line, say, verdict
 

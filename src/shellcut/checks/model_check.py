@@ -13,17 +13,14 @@ from shellcut.arguments import checked
 from shellcut.arrays import Bools
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
-from .glue import check_glue
 from .hold import check_held_film, check_hold
 from .path import check_path, check_sides
-from .piercing import check_piercing
-from .place import meeting_remedy
+from .place import check_touch, meeting_remedy
 from .plausible import check_numbers, check_table
 from .row import Rows
 from .steps import check_steps
+from .strength import check_glue, check_piercing, check_strength
 from .sweep import Sweep
-from .touch import check_touch
-from .yielding import check_strength
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -57,8 +54,7 @@ class ModelCheck:
         RefusedModel
             Lists every refusal.
         """
-        refused = [f for f in self.of(REFUSE) if not (force and f.forcible)]
-        if refused:
+        if refused := [f for f in self.of(REFUSE) if not (force and f.forcible)]:
             raise RefusedModel(refused)
 
     @property

@@ -142,8 +142,7 @@ def _fates(sweep: Sweep, remedy: str) -> Iterator[Finding]:
             f"{len(never)} of {len(fates)} cutting edges never meet the film: {_chains(never)}",
             f"fine if that is intended; [tool] not_cutting = {never} leaves them out",
         )
-    out = [fate for fate in fates if fate.passed_out]
-    if out:
+    if out := [fate for fate in fates if fate.passed_out]:
         yield doubt(
             "a cutting edge must stay in the film as long as the tool moves along it, or the tool "
             "behind the edge tears the film or leaves it uncut",
@@ -151,8 +150,7 @@ def _fates(sweep: Sweep, remedy: str) -> Iterator[Finding]:
             f"{_first_exit(out, sweep)}: {_chains([fate.chain for fate in out])}",
             "make the edges longer, or the advance across the film smaller (pitch)",
         )
-    left = [fate for fate in fates if fate.meets and not fate.stays and not fate.passed_out]
-    if left:
+    if left := [fate for fate in fates if fate.meets and not fate.stays and not fate.passed_out]:
         yield note(
             f"{len(left)} of {len(fates)} cutting edges leave the film before the motion ends, the "
             f"first at {_first_exit(left, sweep)}: "

@@ -51,7 +51,6 @@ def check_numbers(
     """Yield implausible values of film, material, law and tool size."""
     yield from _thickness(mesh, material)
     yield from _layers(material)
-    yield from _yielding(material)
     if law is not None:
         yield from _law(mesh, material, law)
     if tool is not None:
@@ -130,10 +129,6 @@ def _layers(material: ShellMaterial) -> Iterator[Finding]:
                 f"{density:.4g} t/mm³",
                 "one of the two is not in MPa or t/mm³",
             )
-
-
-def _yielding(material: ShellMaterial) -> Iterator[Finding]:
-    """Yield what is implausible of layers that yield."""
     films = [layer.material for layer in material.layers if isinstance(layer.material, Plastic)]
     for first, young in sorted({(f.hardening.first_yield, f.stretching_modulus) for f in films}):
         if (strain := first / young) > LARGEST_YIELD_STRAIN:
@@ -202,8 +197,7 @@ def _tool_size(mesh: Mesh, tool: Tool) -> Iterator[Finding]:
         for b in range(tool.n_body)
     ]
     extents = [float(np.linalg.norm(np.ptp(x, axis=0))) for x in bodies]
-    small = [b for b, extent in enumerate(extents) if extent < edge]
-    if small:
+    if small := [b for b, extent in enumerate(extents) if extent < edge]:
         yield doubt(
             "a tooth should be longer than the side of a quad: contact sees nodes only, and "
             "between them nothing resists the tooth",

@@ -13,7 +13,7 @@ import argparse
 from pathlib import Path
 
 from .exit_code import refuse
-from .shared_arguments import add_engine_to, add_settings_to, named, print_found, settings_of
+from .shared_arguments import add_engine_to, add_settings_to, keys_with_values, named, print_found
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
             model,
             out,
             figures=[name.strip() for name in arguments.figures.split(",") if name.strip()],
-            settings=settings_of(arguments),
+            settings=keys_with_values("--set", arguments.settings),
             executor=executor,
         ),
         f"in {out}: {ERROR_BARS}; shellcut report {out} shows it",

@@ -25,7 +25,6 @@ from .shared_arguments import (
     made_of,
     named,
     print_found,
-    settings_of,
 )
 
 if TYPE_CHECKING:
@@ -75,7 +74,9 @@ def run(arguments: argparse.Namespace) -> int:
             arguments.model,
             _curves(arguments),
             arguments.out,
-            settings=settings_of(arguments, str),  # texts: ranges are read later
+            settings=keys_with_values(
+                "--set", arguments.settings, str
+            ),  # texts: ranges are read later
             search=made_of(arguments, Search),
             executor=executor,
         ),

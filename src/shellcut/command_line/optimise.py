@@ -20,7 +20,6 @@ from .shared_arguments import (
     keys_with_values,
     named,
     print_found,
-    settings_of,
 )
 
 
@@ -61,6 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Search, print the best values."""
     from shellcut.study.optimise import OPTIMUM, optimise
 
+    confirm, given = None, arguments.confirm  # by a finer film
+    if given is not None:
+        confirm = {} if given == ["none"] else keys_with_values("--confirm", given)
     return print_found(
         arguments,
         lambda executor: optimise(
@@ -69,8 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
             minimise=arguments.minimise,
             maximise=arguments.maximise,
             subject_to=arguments.subject_to,
-            settings=settings_of(arguments, str),  # texts: lists and ranges are read later
-            confirm=_confirming(arguments.confirm),
+            settings=keys_with_values(
+                "--set", arguments.settings, str
+            ),  # texts: lists and ranges are read later
+            confirm=confirm,
             max_runs=arguments.max_runs,
             allow_doubts=arguments.allow_doubts,
             executor=executor,
@@ -78,10 +82,3 @@ def run(arguments: argparse.Namespace) -> int:
         f"in {arguments.out}: {OPTIMUM}",
         lambda found: found.best is not None,
     )
-
-
-def _confirming(given: list[str] | None) -> dict[str, object] | None:
-    """Return the keys that confirm; None for those of a finer film."""
-    if given is None:
-        return None
-    return {} if given == ["none"] else keys_with_values("--confirm", given)

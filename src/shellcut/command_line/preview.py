@@ -16,7 +16,7 @@ from shellcut.model_file.spelling import in_keys
 from shellcut.recording.run_log import RunLog
 
 from .exit_code import BAD_INPUT, DONE, refuse
-from .shared_arguments import add_settings_to, named, settings_of
+from .shared_arguments import add_settings_to, keys_with_values, named
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     model = None
     with RunLog(words=in_keys).library_said():
         try:
-            model = read_model(arguments.model, settings_of(arguments))
+            model = read_model(arguments.model, keys_with_values("--set", arguments.settings))
             case = model.build()
         except ModelFileError as problem:
             return _draw_refused(model or problem.partial, arguments, problem)

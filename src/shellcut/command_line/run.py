@@ -13,7 +13,7 @@ from shellcut.recording.run_log import RunLog
 
 from .exit_code import DONE, refuse
 from .run_model import run_model
-from .shared_arguments import add_settings_to, add_verbose_to, named, settings_of
+from .shared_arguments import add_settings_to, add_verbose_to, keys_with_values, named
 
 if TYPE_CHECKING:
     from shellcut.model_file import Model
@@ -77,7 +77,7 @@ def _read(arguments: argparse.Namespace) -> Model:
     """Return the model with the keys that are set; a ModelFileError lists all problems."""
     from shellcut.model_file import read_model
 
-    settings = settings_of(arguments)
+    settings = keys_with_values("--set", arguments.settings)
     if arguments.frames is not None:
         settings["output.frames"] = arguments.frames
     if arguments.no_pictures:

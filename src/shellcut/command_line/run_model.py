@@ -147,15 +147,10 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
         if not isinstance(problem, OSError):  # unlike a full disk, this needs a traceback
             log.warn(traceback.format_exc().rstrip())
         log.warn(f"failed at {recorder.place()}: {problem}")
-        log.warn(_remedy(problem, folder))
+        full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
+        then = " run it again with --overwrite: there is no checkpoint to resume from"
+        if (folder / CHECKPOINT).exists():
+            then = f": shellcut resume {folder}"
+        log.warn(f"{'free space' if full else 'remove the cause'}, then{then}")
         return FAILED
     return DONE
-
-
-def _remedy(problem: Exception, folder: Path) -> str:
-    """Return what to do about a run that failed."""
-    full = isinstance(problem, OSError) and problem.errno in _NO_SPACE
-    cause = "free space" if full else "remove the cause"
-    if (folder / CHECKPOINT).exists():
-        return f"{cause}, then: shellcut resume {folder}"
-    return f"{cause}, then run it again with --overwrite: there is no checkpoint to resume from"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.source import parse_value
 from shellcut.model_file.spelling import in_keys
@@ -38,13 +38,6 @@ def add_settings_to(parser: argparse.ArgumentParser, more: str = "") -> None:
         dest="settings",
         help=f"replace a key, e.g. membrane.mesh=quick or mesh=quick{more}; any number of times",
     )
-
-
-def settings_of(
-    arguments: argparse.Namespace, read: Callable[[str], object] = parse_value
-) -> dict[str, object]:
-    """Return the keys set, with their values read; see :func:`keys_with_values`."""
-    return keys_with_values("--set", arguments.settings, read)
 
 
 def keys_with_values(
@@ -157,19 +150,16 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
     if arguments.dask is None:
         yield arguments.jobs
         return
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise ImportError(f"--dask needs Dask: {pip_install('sweep')}") from None
+    dask = optional("distributed", "--dask needs Dask", "sweep")
     from shellcut.numerics.threads import available_cores
 
     with contextlib.ExitStack() as close:
         where: Any = arguments.dask
         if where == "local":
             size = {"n_workers": available_cores(), "threads_per_worker": 1}
-            where = close.enter_context(LocalCluster(**size, dashboard_address=None))
+            where = close.enter_context(dask.LocalCluster(**size, dashboard_address=None))
         try:
-            client = close.enter_context(Client(where, timeout=10.0))
+            client = close.enter_context(dask.Client(where, timeout=10.0))
         except (OSError, TimeoutError, ValueError) as problem:
             said = f"{type(problem).__name__}: {problem}"
             raise ConnectionError(f"there is no Dask scheduler at {where}: {said}") from None

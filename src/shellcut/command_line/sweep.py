@@ -22,9 +22,9 @@ from .shared_arguments import (
     add_options,
     add_settings_to,
     engine_given,
+    keys_with_values,
     made_of,
     named,
-    settings_of,
 )
 
 if TYPE_CHECKING:
@@ -71,7 +71,9 @@ def _planned(arguments: argparse.Namespace) -> Plan:
     from shellcut.study.plan import FEW_FILES, Definition
     from shellcut.study.study_file import is_study, read_study
 
-    given = settings_of(arguments, str)  # texts: a study also reads several values, and ranges
+    given = keys_with_values(
+        "--set", arguments.settings, str
+    )  # texts: a study also reads several values, and ranges
     if is_study(arguments.model):
         study = read_study(arguments.model)
         several, _ = factors_of(given)

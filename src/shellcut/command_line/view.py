@@ -63,53 +63,44 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the file, print its path and size, and open a page that has no given name."""
-    _check(arguments)
+    output, number = arguments.output, arguments.frame
+    suffix = "" if output is None else output.suffix.lower()
+    page = suffix == ".html" or (output is None and number is None)
+    movie = suffix in MOVIES
+    problems = []
+    if arguments.frames is not None and not (page or movie):
+        problems.append("--frames belongs to page and movie; --frame N draws one frame")
+    if number is not None and (page or movie):
+        problems.append("--frame belongs to a picture: give it a name such as film.png")
+    if arguments.size and page:
+        problems.append("--size belongs to pictures and movies: the page fills its window")
+    known = (".html", *MOVIES, *PICTURES)
+    if suffix not in ("", *known):
+        problems.append(f"-o must end with one of {', '.join(known)}, got {output}")
+    if problems:
+        raise ValueError("; ".join(problems))
     results = read(arguments.out)
     look = made_of(arguments, Look)
-    if not _is_page(arguments):
-        path = _drawn(arguments, results, look)
+    if not page:
+        path = _drawn(arguments, results, look, movie=movie)
         print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
         return DONE
-    path = target(arguments.output, arguments.out / "view.html")
+    path = target(output, arguments.out / "view.html")
     page = view_html(results, path, frames=arguments.frames, look=look)
     print(page)
     # A browser would have a window; on Linux one of text would take the terminal.
     is_plain = sys.platform not in ("darwin", "win32")
     screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    if arguments.output is None and (screen or not is_plain):
+    if output is None and (screen or not is_plain):
         webbrowser.open(page.path.resolve().as_uri())
     return DONE
 
 
-def _suffix(arguments: argparse.Namespace) -> str:
-    return "" if arguments.output is None else arguments.output.suffix.lower()
-
-
-def _is_page(arguments: argparse.Namespace) -> bool:
-    return _suffix(arguments) == ".html" or (arguments.output is None and arguments.frame is None)
-
-
-def _check(arguments: argparse.Namespace) -> None:
-    page, movie = _is_page(arguments), _suffix(arguments) in MOVIES
-    problems = []
-    if arguments.frames is not None and not (page or movie):
-        problems.append("--frames belongs to page and movie; --frame N draws one frame")
-    if arguments.frame is not None and (page or movie):
-        problems.append("--frame belongs to a picture: give it a name such as film.png")
-    if arguments.size and page:
-        problems.append("--size belongs to pictures and movies: the page fills its window")
-    known = (".html", *MOVIES, *PICTURES)
-    if _suffix(arguments) not in ("", *known):
-        problems.append(f"-o must end with one of {', '.join(known)}, got {arguments.output}")
-    if problems:
-        raise ValueError("; ".join(problems))
-
-
-def _drawn(arguments: argparse.Namespace, results: Results, look: Look) -> Path:
+def _drawn(arguments: argparse.Namespace, results: Results, look: Look, *, movie: bool) -> Path:
     """Draw a frame or the movie; return the file."""
     size: dict[str, Any] = {"size": tuple(arguments.size)} if arguments.size else {}
     frames = list(results.frames())
-    if _suffix(arguments) in MOVIES:
+    if movie:
         path = target(arguments.output, arguments.output)
         frames = [frames[k] for k in spread(len(frames), arguments.frames or len(frames))]
         draw_movie(path, frames, fps=arguments.fps, look=look, **size)

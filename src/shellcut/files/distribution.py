@@ -1,7 +1,9 @@
 """The distribution: its name on the package index, its version, and what installs its extras."""
 
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
+from typing import Any
 
 DISTRIBUTION = "shellcut-fem"
 VERSION = version(DISTRIBUTION)
@@ -16,6 +18,18 @@ def pip_install(*extras: str) -> str:
     "pip install 'shellcut-fem[mesh]'"
     """
     return f"pip install '{DISTRIBUTION}[{','.join(extras)}]'"
+
+
+def optional(package: str, needed: str, *extras: str, instead: str = "") -> Any:
+    """Return an optional package.
+
+    The ImportError says for what it is ``needed``, which extras install it, and what is there
+    ``instead``.
+    """
+    try:
+        return import_module(package)
+    except ImportError as error:
+        raise ImportError(f"{needed}: {pip_install(*extras)}{instead}") from error
 
 
 def another_project() -> str:

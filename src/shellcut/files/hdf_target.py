@@ -57,18 +57,6 @@ class HdfTarget(io.RawIOBase):
 
     # ------------------------------------------------------------------ called by h5py
 
-    def readable(self) -> bool:
-        """Return True."""
-        return True
-
-    def writable(self) -> bool:
-        """Return True."""
-        return True
-
-    def seekable(self) -> bool:
-        """Return True."""
-        return True
-
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Go to an offset [bytes]; return it."""
         if whence == os.SEEK_CUR:

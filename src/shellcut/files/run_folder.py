@@ -62,15 +62,3 @@ def snapshots(folder: Path, first: int = 0) -> list[Path]:
         for number, path in sorted(numbered)
         if number >= first and (path.name in listed or not listed)
     ]
-
-
-def planned_names(name: str, resistance: str, *, n_snapshot: int) -> tuple[list[str], list[str]]:
-    """Return the names of the files that a run always writes, and of those it may write.
-
-    There may be one picture more at the end than are wanted.
-    """
-    here = Path()
-    always = [HISTORY, SUMMARY, SPLITS, CHECKPOINT, ENERGY_PICTURE]
-    always += [str(result_file(here, name)), str(resistance_picture(here, resistance))]
-    later = [str(snapshot(here, k)) for k in range(n_snapshot + 2)]
-    return always, later

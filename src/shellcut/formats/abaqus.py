@@ -67,7 +67,17 @@ class _Reader(Deck):
 
     def take(self, keyword: Keyword) -> None:
         name = keyword.name
-        self._check_parameters(keyword)
+        known = _READ.get(name, ())
+        for parameter in keyword.parameters if known else ():
+            if parameter in known:
+                continue
+            if near := get_close_matches(parameter, known, 1, _CLOSE):
+                raise keyword.error(
+                    f"parameters must be spelt out, got {parameter!r}; did you mean {near[0]}?"
+                )
+            self.notes.append(
+                f"line {keyword.line}: the parameter {parameter!r} of *{name} is not read"
+            )
         if name in _MAKES_MESH:
             raise keyword.error(
                 "generates or moves nodes and elements, which is not read; write the mesh out "
@@ -89,19 +99,6 @@ class _Reader(Deck):
             self._set(keyword)
         elif name not in _SILENT:
             self.unused[f"*{name}"] += 1
-
-    def _check_parameters(self, keyword: Keyword) -> None:
-        known = _READ.get(keyword.name, ())
-        for parameter in keyword.parameters if known else ():
-            if parameter in known:
-                continue
-            if near := get_close_matches(parameter, known, 1, _CLOSE):
-                raise keyword.error(
-                    f"parameters must be spelt out, got {parameter!r}; did you mean {near[0]}?"
-                )
-            self.notes.append(
-                f"line {keyword.line}: the parameter {parameter!r} of *{keyword.name} is not read"
-            )
 
     @property
     def scope(self) -> Scope:

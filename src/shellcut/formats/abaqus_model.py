@@ -105,8 +105,7 @@ class Model:
         for label, (kind, nodes) in scope.elements.items():
             if (key, label) in self.rows["element"]:
                 raise FileError(self.path, f"element {prefix}{label} must be defined once")
-            lost = [n for n in nodes if (key, n) not in self.rows["node"]]
-            if lost:
+            if lost := [n for n in nodes if (key, n) not in self.rows["node"]]:
                 raise FileError(
                     self.path,
                     f"element {prefix}{label} must have nodes that are defined, got {named(lost)}; "

@@ -167,8 +167,7 @@ def _of_iges(path: Path, section: bytes) -> list[float]:
     separator, at = ",", 0
     # Parameters are texts, written 4Habcd, or numbers; the first one is the separator itself.
     while at < len(text) and len(values) <= _FLAG + 1:
-        string = re.match(r"\s*(\d+)H", text[at:])
-        if string:
+        if string := re.match(r"\s*(\d+)H", text[at:]):
             start = at + string.end()
             value = text[start : start + int(string[1])]
             at = start + int(string[1]) + 1

@@ -113,8 +113,7 @@ class _Reader(Content):
             if name in seen:
                 raise self.error(f"each section must occur once, got ${name} again")
             seen.add(name)
-            in_text = not self.order or name == "PhysicalNames"
-            if in_text:
+            if in_text := not self.order or name == "PhysicalNames":
                 start = self.at
                 self._skip_to_end(name)
                 end = self.content.rfind(b"$End", start, self.at)
@@ -210,8 +209,8 @@ class _Reader(Content):
             return
         texts = self.texts(4 * count)
         self.node_labels.append(self.read("i8", texts[::4]))
-        xyz = [t for i, t in enumerate(texts) if i % 4]
-        self.positions.append(self.read("f8", xyz).reshape(count, 3))
+        del texts[::4]
+        self.positions.append(self.read("f8", texts).reshape(count, 3))
 
     def _elements_2(self) -> None:
         count = self._count_2()
@@ -310,18 +309,15 @@ class _Reader(Content):
 
     def _section(self) -> str | None:
         # the name of the next section, None at the end of the file
-        while self.at < len(self.content):
-            if self.content.find(b"$", self.at) < 0:
-                self.rest()
-                return None
-            line = self.line()
-            if not line:
+        while self.content.find(b"$", self.at) >= 0:
+            if not (line := self.line()):
                 continue
             if not line.startswith(b"$") or line.startswith(b"$End"):
                 raise self.error(
                     f"a section must begin with $Name, got {line[:30].decode('latin-1')!r}"
                 )
             return line[1:].decode("latin-1")
+        self.rest()
         return None
 
     def _end(self, name: str) -> None:

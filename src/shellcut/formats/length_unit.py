@@ -67,7 +67,16 @@ def unit_in_mm(
             raise ValueError(f"unit {problem}") from None
         return given, _against(given, stated)
     if stated is not None:
-        return stated, _stated(stated, extent, what)
+        size = extent * stated
+        if not _LIKELY[0] <= size <= _LIKELY[1]:
+            raise ValueError(
+                f"{what} must be {_LIKELY[0]:g} to {_LIKELY[1]:g} mm across, got {size:.4g} mm by "
+                f"the unit that the file states, {_named(stated)}; if this is right, or the file "
+                f"is wrong, give unit= one of {', '.join(MILLIMETRES)}"
+            )
+        how = "" if stated == 1.0 else ", converted to mm"
+        said = f"the file states the unit {_named(stated)}{how}: {what} is {size:.4g} mm across"
+        return stated, said
     for name, (least, most) in (("mm", _TAKEN_FOR_MM), ("m", _TAKEN_FOR_M)):
         if least <= extent < most:
             factor = MILLIMETRES[name]
@@ -93,15 +102,3 @@ def _against(given: float, stated: float | None) -> str:
     if stated is None or stated == given:
         return ""
     return f"the file states the unit {_named(stated)}, but is read in {_named(given)} as given"
-
-
-def _stated(stated: float, extent: float, what: str) -> str:
-    size = extent * stated
-    if not _LIKELY[0] <= size <= _LIKELY[1]:
-        raise ValueError(
-            f"{what} must be {_LIKELY[0]:g} to {_LIKELY[1]:g} mm across, got {size:.4g} mm by the "
-            f"unit that the file states, {_named(stated)}; if this is right, or the file is wrong, "
-            f"give unit= one of {', '.join(MILLIMETRES)}"
-        )
-    how = "" if stated == 1.0 else ", converted to mm"
-    return f"the file states the unit {_named(stated)}{how}: {what} is {size:.4g} mm across"

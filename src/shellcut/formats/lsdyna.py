@@ -22,6 +22,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import accumulate
 from pathlib import Path
 from typing import Literal
 
@@ -139,8 +140,7 @@ class _Reader(Deck):
 
     def _shells(self, block: CardBlock) -> None:
         options = [option for option in block.name.split("_")[2:] if option]
-        unknown = [option for option in options if option not in _SHELL_CARDS]
-        if unknown:
+        if unknown := [option for option in options if option not in _SHELL_CARDS]:
             raise block.error(
                 f"options must be among {', '.join(_SHELL_CARDS)}, got {', '.join(unknown)}"
             )
@@ -192,11 +192,6 @@ class _Reader(Deck):
         each = zip(of_parts.tolist(), np.split(order, first[1:]), strict=False)
         members_of: dict[int, Ints] = dict(each)
 
-        def shells_of(part: int) -> Ints:
-            shells = members_of.get(part, _NONE)
-            self.budget.take("ids in its sets", len(shells))
-            return shells
-
         self.notes += unused_note(+self.unused)
         if lost := sorted(set(parts.tolist()) - set(self.part_titles)) if self.part_titles else []:
             self.notes.append(f"shells are of parts {named(lost)}, which no *PART defines")
@@ -208,7 +203,8 @@ class _Reader(Deck):
         ]
         cell_sets += self._sets_of("shell", shells)
         for name, sid, members in self._sets_of("part", None):
-            rows = [shells_of(part) for part in members.tolist()]
+            rows = [members_of.get(part, _NONE) for part in members.tolist()]
+            self.budget.take("ids in its sets", sum(map(len, rows)))
             cell_sets.append((name, sid, np.concatenate([*rows, _NONE])))
         # a triangle is a quad with its last corner repeated, as in the file
         n = sum(not quadratic for *_, quadratic in self.shells)
@@ -217,8 +213,10 @@ class _Reader(Deck):
             for kind, rows in ((QUAD, slice(n)), (_QUADRATIC, slice(n, None)))
             if len(corners[rows])
         ]
-        for kind, ids in self.others.items():
-            blocks.append(CellBlock(kind, ids, np.empty((len(ids), 0), np.int64)))
+        blocks += [
+            CellBlock(kind, ids, np.empty((len(ids), 0), np.int64))
+            for kind, ids in self.others.items()
+        ]
         return FileMesh(
             self.path,
             positions,
@@ -259,8 +257,7 @@ class _Reader(Deck):
         if how == "LIST":
             return _found(block, _integers(block, cards), numbers)
         if how == "COLUMN":
-            widths = _EIGHT[block.layout]
-            ids = [_id(card, card.fields(widths)[0], "an id") for card in cards]
+            ids = [_id(card, card.fields(_EIGHT[block.layout])[0], "an id") for card in cards]
             return _found(block, ids, numbers)
         if how in ("LIST_GENERATE", "GENERATE") and numbers is not None:
             ends = _integers(block, cards)
@@ -309,16 +306,13 @@ class Card(Line):
             if any(entries[len(widths) :]):
                 raise self.error(f"a card must have {len(widths)} entries at most")
             return entries[: len(widths)]
-        entries, at = [], 0
-        for width in widths:
-            entries.append(self.text[at : at + width].strip())
-            at += width
+        *starts, at = accumulate(widths, initial=0)
         if self.text[at:].strip():
             raise self.error(
                 f"a card must end at column {at}, got {self.text[at:].strip()[:20]!r} beyond; is "
                 "it in another layout (*KEYWORD LONG=Y, I10=Y)?"
             )
-        return entries
+        return [self.text[k : k + n].strip() for k, n in zip(starts, widths, strict=True)]
 
     def integer(self, entry: str, what: str) -> int:
         """Return an entry as a whole number, 0 if it is empty."""

@@ -177,10 +177,11 @@ def read_number_table(path: str | Path) -> NumberTable:
         for number, text in written
         if number < before and _is_comment(text)
     ]
+    others = filter(None, (_headings(marked, other, n) for other in _SEPARATORS))
     headings, heading_line = (
         _headings(lines[:first], separator, n)
         or _headings(marked, separator, n)
-        or next(filter(_tell, (_headings(marked, other, n) for other in _SEPARATORS)), None)
+        or next((found for found in others if any(dimension(h.unit) for h in found[0])), None)
         or ([], 0)
     )
     return NumberTable(
@@ -255,13 +256,6 @@ def _units(cells: list[str]) -> list[str]:
     return [cell.strip("[]() ") for cell in cells if cell]
 
 
-def _are_units(cells: list[str]) -> bool:
-    # half of them known: a test machine has more
-    given = _units(cells)
-    known = sum(dimension(unit) is not None for unit in given)
-    return 0 < known >= len(given) - known and not any(map(_is_number, given))
-
-
 def _cells(text: str, separator: str) -> list[str]:
     if separator == " ":
         return text.split()
@@ -310,10 +304,6 @@ def _is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell) or _THOUSANDS.fullmatch(cell))
 
 
-def _tell(found: tuple[list[Heading], int] | None) -> bool:
-    return found is not None and any(dimension(heading.unit) for heading in found[0])
-
-
 def _headings(
     preamble: list[tuple[int, str]], separator: str, n: int
 ) -> tuple[list[Heading], int] | None:
@@ -322,7 +312,11 @@ def _headings(
     if not found:
         return None
     line, cells = found[-1]
-    if len(found) > 1 and _are_units(cells):
+    # a line of units: half of them known, as a test machine has more
+    given = _units(cells)
+    known = sum(dimension(unit) is not None for unit in given)
+    are_units = 0 < known >= len(given) - known and not any(map(_is_number, given))
+    if len(found) > 1 and are_units:
         units = [cell.strip("[]() ") for cell in cells]
         line, names = found[-2]
         return [Heading(name, unit, name) for name, unit in zip(names, units, strict=True)], line

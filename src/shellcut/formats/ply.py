@@ -94,8 +94,7 @@ class _Reader(Content):
         if not self.content.startswith(b"ply") or end < 0 or stop < 0:
             raise self.error("a PLY file must have a header from 'ply' to 'end_header'")
         self.at = stop + 1
-        lines = self.content[:end].decode("latin-1").splitlines()[1:]
-        for line in lines:
+        for line in self.content[:end].decode("latin-1").splitlines()[1:]:
             words = line.split()
             if not words or words[0] in ("comment", "obj_info"):
                 continue

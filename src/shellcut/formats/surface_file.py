@@ -43,8 +43,8 @@ def surface_of_polygons(
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     if not polygons:
         raise FileError(path, "there must be faces, got none")
-    lost = [k for k, face in enumerate(polygons) if max(face) >= len(points) or min(face) < 0]
-    if lost:
+    n = len(points)
+    if lost := [k for k, face in enumerate(polygons) if max(face) >= n or min(face) < 0]:
         raise FileError(path, f"faces must name existing vertices, but faces {named(lost)} do not")
     many = [k for k, face in enumerate(polygons) if len(face) > 3]
     if folded := [k for k in many if not _is_convex(points[list(polygons[k])])]:

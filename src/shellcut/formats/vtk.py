@@ -148,6 +148,8 @@ def _groups(data: dict[str, Any], unused: Counter[str]) -> dict[str, Ints]:
         if set(distinct.tolist()) <= {0, 1}:
             groups[name] = np.flatnonzero(values).astype(np.int64)
         else:
-            for value in distinct.tolist():
-                groups[f"{name}_{value}"] = np.flatnonzero(values == value).astype(np.int64)
+            groups |= {
+                f"{name}_{value}": np.flatnonzero(values == value).astype(np.int64)
+                for value in distinct.tolist()
+            }
     return groups

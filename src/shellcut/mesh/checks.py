@@ -88,7 +88,14 @@ def checked_arrays(
     infinite = np.flatnonzero(~np.isfinite(X).all(axis=1))
     if len(infinite):
         problems.append(f"nodes must be finite, got {_places(infinite, X)}; repair or remove them")
-    if _check_ids(Q, n_node, problems):
+    outside = np.flatnonzero((Q.min(axis=1) < 0) | (Q.max(axis=1) >= n_node))
+    if len(outside):
+        hint = "; ids count from 0" if Q.max() == n_node and Q.min() == 1 else ""
+        problems.append(
+            f"quads must hold node ids from 0 to {n_node - 1}, got "
+            f"{named(outside, lambda e: f'quad {e} of nodes {Q[e].tolist()}')}{hint}; renumber them"
+        )
+    else:
         sound = _check_corners(X, Q, problems)
         sides = QuadSides(Q, n_node, np.flatnonzero(sound))
         _check_sides(X, Q, sides, problems)
@@ -236,17 +243,6 @@ def _cast_directors(
         )
         return None
     return T
-
-
-def _check_ids(Q: Ints, n_node: int, problems: list[str]) -> bool:
-    bad = np.flatnonzero((Q.min(axis=1) < 0) | (Q.max(axis=1) >= n_node))
-    if len(bad):
-        hint = "; ids count from 0" if Q.max() == n_node and Q.min() == 1 else ""
-        problems.append(
-            f"quads must hold node ids from 0 to {n_node - 1}, got "
-            f"{named(bad, lambda e: f'quad {e} of nodes {Q[e].tolist()}')}{hint}; renumber them"
-        )
-    return not len(bad)
 
 
 def _check_corners(X: Floats, Q: Ints, problems: list[str]) -> Bools:

@@ -19,7 +19,7 @@ import scipy
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.formats.budget import Budget
 from shellcut.formats.errors import (
     FileError,
@@ -211,12 +211,8 @@ def read_drawing(
 
 def _document(path: Path) -> tuple[Any, float | None]:
     """Return what ezdxf makes of a file, and the length of its unit [mm], None if not stated."""
-    try:
-        from ezdxf.filemanagement import readfile
-    except ImportError:
-        raise ImportError(
-            f"{path}: reading DXF needs ezdxf, an optional extra: {pip_install('outline')}"
-        ) from None
+    needed = f"{path}: reading DXF needs ezdxf, an optional extra"
+    readfile = optional("ezdxf.filemanagement", needed, "outline").readfile
     if path.suffix.lower() != ".dxf":
         raise FileError(path, "the name must end in .dxf; save the drawing as DXF")
     content = read_bytes(path, LARGEST_FILE)

@@ -248,8 +248,10 @@ class _Film:
                 self.node_sets[name] = np.concatenate([members, more])
             else:
                 self.node_sets[name] = split.with_middles(members)
-        for name, members in self.quad_sets.items():
-            self.quad_sets[name] = np.flatnonzero(np.isin(split.parent, members))
+        self.quad_sets = {
+            name: np.flatnonzero(np.isin(split.parent, members))
+            for name, members in self.quad_sets.items()
+        }
         self.nodes, self.quads = split.nodes, split.quads
         n_new = len(split.nodes) - split.n_node
         self.node_labels = [*map(str, self.node_labels), *["(new)"] * n_new]
@@ -404,11 +406,9 @@ class QuadSplit:
 
     def middles(self, lines: Ints) -> Ints:
         """Return the midpoints of those lines, shape (n_line, 2), that are sides of quads."""
-        ordered = np.sort(lines, axis=1)
-        key = product(ordered, np.array([self.n_node, 1]))
-        keys = product(self.side_ends, np.array([self.n_node, 1]))
-        found: Ints = np.flatnonzero(np.isin(keys, key)) + self.n_node
-        return found
+        places = np.array([self.n_node, 1])
+        sought, keys = product(np.sort(lines, axis=1), places), product(self.side_ends, places)
+        return np.asarray(np.flatnonzero(np.isin(keys, sought)) + self.n_node)
 
 
 def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
@@ -423,8 +423,7 @@ def split_in_quads(nodes: Floats, quads: Ints, triangles: Ints) -> QuadSplit:
     """
     n_node = len(nodes)
     start = np.concatenate([quads.ravel(), triangles.ravel()])
-    following = (np.roll(cells, -1, axis=1).ravel() for cells in (quads, triangles))
-    end = np.concatenate(list(following))
+    end = np.concatenate([np.roll(cells, -1, axis=1).ravel() for cells in (quads, triangles)])
     keys, side, n_cell = np.unique(
         np.minimum(start, end) * n_node + np.maximum(start, end),
         return_inverse=True,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, product
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.formats.errors import point_text
 
 _NAMED = 4
@@ -77,10 +77,4 @@ def not_one_film(
 
 def shapely_or_error() -> Any:
     """Return the package shapely, part of the extras ``outline`` and ``mesh``."""
-    try:
-        import shapely
-    except ImportError:
-        raise ImportError(
-            f"outlines need shapely, an optional extra: {pip_install('outline', 'mesh')}"
-        ) from None
-    return shapely
+    return optional("shapely", "outlines need shapely, an optional extra", "outline", "mesh")

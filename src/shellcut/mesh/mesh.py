@@ -338,7 +338,13 @@ class Mesh:
         line = self._check_line(line_of_nodes)
         cut_edges = {frozenset(pair) for pair in pairwise(line)}
         touched = np.flatnonzero(np.isin(self.quads, line).any(axis=1))
-        left = _left_quads(self.quads, touched, line)
+        # for each node of the line, a quad on the left: its sides contain the leaving one (at the
+        # end, the arriving one) in the direction of the line
+        sides = [(e, self.quads[e].tolist()) for e in touched.tolist()]
+        side_of = {(q[a], q[(a + 1) % 4]): e for e, q in sides for a in range(4)}
+        left = {line[-1]: side_of[line[-2], line[-1]]} | {
+            i: side_of[i, j] for i, j in pairwise(line)
+        }
 
         quads = self.quads.copy()
         parents: list[int] = []
@@ -414,21 +420,6 @@ class Mesh:
 
 
 # --- the cut -------------------------------------------------------------------------------------
-
-
-def _left_quads(quads: Ints, touched: Ints, line: list[int]) -> dict[int, int]:
-    # for each node of the line, a quad on the left: its sides contain the leaving one (at the end,
-    # the arriving one) in the direction of the line
-    side_of = {
-        (int(quads[e, a]), int(quads[e, (a + 1) % 4])): e
-        for e in touched.tolist()
-        for a in range(4)
-    }
-    left: dict[int, int] = {}
-    for i, j in pairwise(line):
-        left[i] = side_of[i, j]
-        left.setdefault(j, side_of[i, j])
-    return left
 
 
 def _fans(

@@ -96,17 +96,12 @@ class _Made:
 
     def __getitem__(self, title: str) -> Any:
         if title not in self._of:
+            section = self._model.sections[title]
+            if section.of is STRIP_BLADE and section.length is None and "membrane" in self._of:
+                section = section.with_values(length=float(np.ptp(self["membrane"].nodes[:, 0])))
             with _blame(self._model, (title,)):
-                self._of[title] = self._make(title)
+                self._of[title] = self._film() if title == "membrane" else section.made()
         return self._of[title]
-
-    def _make(self, title: str) -> Any:
-        if title == "membrane":
-            return self._film()
-        section = self._model.sections[title]
-        if section.of is STRIP_BLADE and section.length is None and "membrane" in self._of:
-            section = section.with_values(length=float(np.ptp(self["membrane"].nodes[:, 0])))
-        return section.made()
 
     def _film(self) -> Mesh:
         model, section = self._model, self._model.sections["membrane"]
@@ -116,17 +111,18 @@ class _Made:
         if section.of.outline is None or not by_gmsh(section):
             film: Mesh = section.made()
             return film
-        outline, holes = section.of.outline(section)
+        of = section.of.outline(section)
         shift = np.asarray(section.values.get("shift", (0.0, 0.0, 0.0)), float)
         if not along_path(section):
             return placed(
-                mesh_from_outline(outline, holes=holes, size=section.size), shift=shift.tolist()
+                mesh_from_outline(of.outline, holes=of.holes, size=section.size),
+                shift=shift.tolist(),
             )
         # The path is where the tool passes, so the film must be in its place before it is meshed.
         aside, rise = shift[:2], float(shift[2])
         film = film_along_path(
-            np.asarray(outline) + aside,
-            holes=[np.asarray(hole) + aside for hole in holes],
+            np.asarray(of.outline) + aside,
+            holes=[np.asarray(hole) + aside for hole in of.holes],
             tool=self["tool"].translated((0.0, 0.0, -rise)),
             motion=self["motion"],
             duration=duration_of(model.sections["motion"], self["motion"]),

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from shellcut.arguments import Option, declared
+from shellcut.mesh.drawing import FilmOutline
 
 from .forms import FORMS, Form, form_of, written
 
@@ -164,9 +165,13 @@ class Section:
         """Return those values that are arguments of the constructor, and not None."""
         assert self.of.constructor is not None
         known = _signature(self.of.constructor).parameters
+        takes_all = any(one.kind is one.VAR_KEYWORD for one in known.values())
         given = {key.parameter: self.values[name] for name, key in self.of.keys.items()}
-        given = {name: value for name, value in given.items() if value is not None}
-        return {name: value for name, value in given.items() if name in known} | dict(self.of.fixed)
+        return {
+            name: value
+            for name, value in given.items()
+            if value is not None and (takes_all or name in known)
+        } | dict(self.of.fixed)
 
     def called(self, **more: Any) -> Any:
         """Call the constructor with the values."""
@@ -202,8 +207,8 @@ class Kind:
     """Further arguments of the constructor."""
     make: Callable[[Section], Any] | None = None
     """Makes it; by default the constructor does."""
-    outline: Callable[[Section], tuple[Any, Any]] | None = None
-    """Returns outline and holes of a film that can be meshed along the path of the tool."""
+    outline: Callable[[Section], FilmOutline] | None = None
+    """Returns the outline of a film that can be meshed along the path of the tool."""
 
     def __call__(self, **values: Any) -> Section:
         """Return a section with the defaults filled in."""
@@ -219,10 +224,6 @@ class Kind:
         own = ["kind"] if self.name else []
         return [*own, *self.keys, *(key.also for key in self.keys.values() if key.also)]
 
-    def is_signed(self, table: Mapping[str, Any]) -> bool:
-        """Whether a table has the key that identifies the kind."""
-        return any(sign in table for sign in (self.sign, self.also_sign) if sign)
-
     def with_keys(self, keys: Mapping[str, Key] | None = None, **defaults: Any) -> Kind:
         """Return the kind with further keys, and with other defaults."""
         every = {**self.keys, **(keys or {})}
@@ -236,6 +237,7 @@ def kind_of(kinds: Sequence[Kind], table: Mapping[str, Any]) -> Kind | None:
     None if it has neither, or a name that there is not.
     """
     for kind in kinds:
-        if kind.name == table["kind"] if "kind" in table else kind.is_signed(table):
+        signed = any(sign in table for sign in (kind.sign, kind.also_sign) if sign)
+        if kind.name == table["kind"] if "kind" in table else signed:
             return kind
     return None

@@ -9,7 +9,7 @@ from shellcut.arguments import guess
 from shellcut.unit import after
 
 from .key import Key, Kind
-from .section_table import HEAD, LISTS, SECTIONS, Kinds
+from .section_table import ENTRY, HEAD, SECTIONS, titled
 
 QUESTIONS = {
     "docs/howto/pierce.md": ("How hard must I press?", "pierce piercing puncture press push entry"),
@@ -47,12 +47,20 @@ class Table:
     ('number', 'mm', '12.0', 'advance per turn; 0 for a pure rotation')
     """
 
-    title: str
-    """As written in a model file, ``[tool]``; empty before the first section."""
+    path: str
+    """As of :func:`.section_table.titled`; empty before the first section."""
     kind: Kind
     models: tuple[str, ...]
     """Models that have the section."""
     keys: Mapping[str, Key]
+
+    @property
+    def title(self) -> str:
+        """As written in a model file, ``[tool]``; empty before the first section."""
+        inner = self.path.replace(f".{ENTRY}", "")
+        if self.path.endswith(f".{ENTRY}"):
+            return f"[[{inner}]]"
+        return f"[{inner}]" if inner else ""
 
     @property
     def where(self) -> str:
@@ -67,26 +75,12 @@ def tables() -> Iterator[Table]:
     yield Table("", HEAD, tuple(SECTIONS), HEAD.keys)
     models_of: dict[str, dict[Kind, list[str]]] = {}
     for model in SECTIONS:
-        for title, kinds in SECTIONS[model].items():
-            _list_kinds(models_of, f"[{title}]", kinds, model)
-        for title, kinds in LISTS[model].items():
-            _list_kinds(models_of, f"[[{title}]]", kinds, model)
-    for title, kinds_there in models_of.items():
+        for path, kinds in titled(model).items():
+            for kind in kinds:
+                models_of.setdefault(path, {}).setdefault(kind, []).append(model)
+    for path, kinds_there in models_of.items():
         for kind, models in kinds_there.items():
-            yield Table(title, kind, tuple(models), kind.keys)
-
-
-def _list_kinds(
-    models_of: dict[str, dict[Kind, list[str]]], title: str, kinds: Kinds, model: str
-) -> None:
-    """Add the kinds of a section of a model, and of the tables in it, to those of each title."""
-    for kind in kinds:
-        models = models_of.setdefault(title, {}).setdefault(kind, [])
-        if model not in models:
-            models.append(model)
-        for name, key in kind.keys.items():
-            inner = f"[{title.strip('[]')}.{name}]"
-            _list_kinds(models_of, f"[{inner}]" if key.is_several else inner, key.kinds, model)
+            yield Table(path, kind, tuple(models), kind.keys)
 
 
 def found(words: Sequence[str]) -> list[Table]:
@@ -137,9 +131,9 @@ def questions(words: Sequence[str]) -> dict[str, str]:
 def unit_of_key(key: str) -> str:
     """Return the unit of a key of model files; "" for a pure number or an unknown key."""
     *section, name = key.split(".")
-    title = ".".join(part for part in section if not part.isdecimal())
+    path = ".".join(ENTRY if part.isdecimal() else part for part in section)
     for table in tables():
-        if title and table.title.strip("[]") != title:
+        if path and table.path != path:
             continue
         for known, found in table.keys.items():
             if name in (known, found.also):

@@ -170,7 +170,32 @@ _FILM = {
 
 
 def _layer(keys: Section) -> Layer:
-    return Layer(material_of(keys), keys.thickness)
+    """Return a layer; ArgumentError if its keys cannot go together."""
+    law = keys.law or ("elastic" if keys.hardening is None else "plastic")
+    problems = list(_contradictions(keys, law))
+    moduli: Elastic | Orthotropic
+    try:
+        if keys.young_across is None or keys.shear is None:
+            moduli = Elastic(keys.young, keys.poisson, keys.density)
+        else:
+            shared = [name for name in declared(Orthotropic) if name in keys.values]
+            moduli = Orthotropic(keys.young, **{name: getattr(keys, name) for name in shared})
+    except ValueError as problem:
+        problems.append(str(problem).replace("young_along", "young"))  # one key for both classes
+    if problems:
+        raise ArgumentError(problems)
+    film: Material = moduli
+    if law == "hencky":
+        film = Hencky(moduli)
+    elif law == "plastic":
+        film = Plastic(
+            moduli,
+            keys.hardening.made(),
+            r_values=keys.r_values,
+            rate=keys.rate and keys.rate.made(),
+            angle_deg=keys.angle_deg,
+        )
+    return Layer(film, keys.thickness)
 
 
 def _film(keys: Section) -> ShellMaterial:
@@ -204,27 +229,6 @@ LAMINATE = Kind(
 )
 
 
-def material_of(keys: Section) -> Material:
-    """Return the material of a layer; ArgumentError if its keys cannot go together."""
-    law = keys.law or ("elastic" if keys.hardening is None else "plastic")
-    problems = list(_contradictions(keys, law))
-    try:
-        moduli = _moduli(keys)
-    except ValueError as problem:
-        problems.append(str(problem).replace("young_along", "young"))  # one key for both classes
-    if problems:
-        raise ArgumentError(problems)
-    if law != "plastic":
-        return Hencky(moduli) if law == "hencky" else moduli
-    return Plastic(
-        moduli,
-        keys.hardening.made(),
-        r_values=keys.r_values,
-        rate=keys.rate and keys.rate.made(),
-        angle_deg=keys.angle_deg,
-    )
-
-
 def _contradictions(keys: Section, law: str) -> Iterator[str]:
     if law != "plastic":
         for name in _OF_YIELDING:
@@ -247,13 +251,6 @@ def _contradictions(keys: Section, law: str) -> Iterator[str]:
             "angle_deg turns the axes of young_across and r_values, got neither: leave it out, or "
             "give them"
         )
-
-
-def _moduli(keys: Section) -> Elastic | Orthotropic:
-    if keys.young_across is None or keys.shear is None:
-        return Elastic(keys.young, keys.poisson, keys.density)
-    shared = [name for name in declared(Orthotropic) if name in keys.values]
-    return Orthotropic(keys.young, **{name: getattr(keys, name) for name in shared})
 
 
 # --- films by name fill in keys -------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -109,12 +109,15 @@ class Model:
         from 0 on, in the title: ``loads.0``.
         """
         found = {"": self.head}
-        for title, section in self.sections.items():
-            found |= section.titled(title)
-        for title, several in self.lists.items():
-            for n, section in enumerate(several):
-                found |= section.titled(f"{title}.{n}")
+        for title, place, section in self.each():
+            found |= section.titled(f"{title}{place}")
         return found
+
+    def each(self) -> Iterator[tuple[str, str, Section]]:
+        """Yield title and section, and the place of what is one of several: ".0", else ""."""
+        yield from ((title, "", section) for title, section in self.sections.items())
+        for title, several in self.lists.items():
+            yield from ((title, f".{n}", section) for n, section in enumerate(several))
 
 
 def digest_of(path: str | Path) -> str:

@@ -66,13 +66,9 @@ def overridden(
         kinds = titled(str(values.get("model", "")))
         try:
             path = path_of(name, str(values.get("model", "")))
-        except ValueError as problem:
-            problems.append(Problem(place, str(problem)))
-            continue
-        table = path[:-1]
-        set_before = {str(known[-1]) for known in settings if known[:-1] == table}
-        of = ".".join(ENTRY if isinstance(part, int) else part for part in table)
-        try:
+            table = path[:-1]
+            set_before = {str(known[-1]) for known in settings if known[:-1] == table}
+            of = ".".join(ENTRY if isinstance(part, int) else part for part in table)
             if path[-1] == "preset":  # the keys of another film do not stay
                 _set(values, table, {"preset": value}, (), ())
                 gone = []

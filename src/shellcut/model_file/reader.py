@@ -148,18 +148,22 @@ def shipped_models() -> dict[str, str]:
     return {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8") for entry in found}
 
 
+def read_source(path: str | os.PathLike[str]) -> Source:
+    """Return the content of a TOML file; ModelFileError if it cannot be read, or is none."""
+    try:
+        text = in_one_form(read_regular(path, _LARGEST)).decode()
+    except OSError as error:
+        said = f"cannot be read: {error.strerror or error}"
+        raise ModelFileError([Problem(str(path), said)]) from None
+    except UnicodeDecodeError:
+        wants = "must be text in UTF-8, as TOML requires: save it so in the editor"
+        raise ModelFileError([Problem(str(path), wants)]) from None
+    return parse(text, str(path), Path(path).resolve().parent)
+
+
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
-    path = Path(name_or_path)
-    if _is_there(path):
-        try:
-            text = in_one_form(read_regular(path, _LARGEST)).decode()
-        except OSError as error:
-            said = error.strerror or error
-            raise ModelFileError([Problem(str(path), f"cannot be read: {said}")]) from None
-        except UnicodeDecodeError:
-            wants = "must be text in UTF-8, as TOML requires: save it so in the editor"
-            raise ModelFileError([Problem(str(path), wants)]) from None
-        return parse(text, str(name_or_path), path.resolve().parent)
+    if _is_there(Path(name_or_path)):
+        return read_source(name_or_path)
     shipped = shipped_models()
     if str(name_or_path) in shipped:
         source = parse(shipped[str(name_or_path)], f"model {name_or_path}", Path.cwd())
@@ -195,9 +199,14 @@ class _Reading:
         if not known:
             self.raise_if_wrong()
         sections, lists = SECTIONS[known], LISTS[known]
+        titles = [*sections, *lists]
         for title in tables:
-            if title not in (*sections, *lists, *misplaced, FILES):
-                self.unknown_section(title, known)
+            if title in LISTS["free"] and title not in titles:
+                has_own = f'belongs to model = "free"; the {known} model has its own supports'
+                self.say((title,), f"[[{title}]] {has_own}")
+            elif title not in (*titles, *misplaced, FILES):
+                hint = guess(title, titles) or listed(titles)
+                self.say((title,), f"unknown section [{title}]{hint}")
         read = {
             title: self.section(kinds, self.table(title), (title,), known)
             for title, kinds in sections.items()
@@ -240,13 +249,6 @@ class _Reading:
             return array
         self.say((title,), f"[[{title}]] must be written with double brackets")
         return []
-
-    def unknown_section(self, title: str, model: str) -> None:
-        known = [*SECTIONS[model], *LISTS[model]]
-        said = f"unknown section [{title}]{guess(title, known) or listed(known)}"
-        if title in LISTS["free"]:
-            said = f'[[{title}]] belongs to model = "free"; the {model} model has its own supports'
-        self.say((title,), said)
 
     def section(
         self, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
@@ -367,21 +369,16 @@ class _Reading:
                 raise
             reasons: Sequence[str] = getattr(problem, "problems", None) or [str(problem)]
             for reason in reasons:
-                self.say(_named_key(made, path, reason), f"{_shown(path)[:-1]}: {reason}")
+                words = re.findall(r"\w+", reason)
+                keys = made.of.keys.items()
+                named = [n for word in words for n, key in keys if word in (n, key.parameter)]
+                self.say((*path, *named[:1]), f"{_shown(path)[:-1]}: {reason}")
 
 
 def _line(problem: Problem) -> int:
     # in the order of the file, overrides first
     number = problem.place.rpartition(":")[2]
     return int(number) if number.isdigit() else 0
-
-
-def _named_key(made: Section, path: KeyPath, reason: str) -> KeyPath:
-    for word in re.findall(r"\w+", reason):
-        for name, key in made.of.keys.items():
-            if word in (name, key.parameter):
-                return (*path, name)
-    return path
 
 
 def _shown(path: KeyPath) -> str:

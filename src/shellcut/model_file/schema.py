@@ -62,16 +62,13 @@ def settings() -> dict[str, Any]:
     """
     found: dict[str, list[Any]] = {"material": [{"enum": list(preset_names())}]}
     meanings: dict[str, str] = {}
-    arrays = [each.title.strip("[]") for each in tables() if each.title.startswith("[[")]
     for table in tables():
-        title = f"{table.title.strip('[]')}."
-        if array := next((known for known in arrays if title.startswith(f"{known}.")), ""):
-            title = title.replace(array, f"{array}.{ENTRY}", 1)
+        is_alone = ENTRY not in table.path.split(".")
         kind = {"kind": {"const": table.kind.name}} if table.kind.name else {}
         for name, of in (kind | _properties(table.kind)).items():
             # Kinds and models may give a key other defaults and meanings.
             bare = {word: v for word, v in of.items() if word not in ("default", "description")}
-            for key in {name if not array else "", f"{title}{name}".lstrip(".")} - {""}:
+            for key in {name if is_alone else "", f"{table.path}.{name}".lstrip(".")} - {""}:
                 meanings.setdefault(key, of.get("description", ""))
                 if bare not in found.setdefault(key, []):
                     found[key].append(bare)

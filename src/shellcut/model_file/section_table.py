@@ -17,7 +17,7 @@ from shellcut.fracture.options import NO_IMPRINT, Fracture
 from shellcut.loads.adhesion import Adhesion
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, NodalMoment, Pressure, steady
 from shellcut.loads.supports import Ramped, Support
-from shellcut.mesh.drawing import read_drawing
+from shellcut.mesh.drawing import FilmOutline, read_drawing
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.outline import mesh_from_outline
@@ -109,11 +109,6 @@ def _disc(section: Section) -> Any:
     return section.called()
 
 
-def _drawn(section: Section) -> Any:
-    found = section.called()
-    return found.outline, found.holes
-
-
 OPENING_DISC = Kind(
     "The disc of the opening test, radius 10.2 mm, with node sets `rim`, `ring` and `centre`; "
     "path: by Gmsh, with `rim`.",
@@ -125,7 +120,7 @@ OPENING_DISC = Kind(
     name="opening",
     sign="mesh",
     make=_disc,
-    outline=lambda section: (disc_outline(OPENING_RADIUS), ()),
+    outline=lambda section: FilmOutline(disc_outline(OPENING_RADIUS), ()),
 )
 STRIP = Kind(
     "A strip from x = 0 with its long sides clamped.",
@@ -155,7 +150,7 @@ DISC = Kind(
     name="disc",
     sign="radius",
     make=_disc,
-    outline=lambda section: (disc_outline(section.radius), section.holes),
+    outline=lambda section: FilmOutline(disc_outline(section.radius), section.holes),
 )
 FILM_FILE = Kind(
     "A mesh of Gmsh, Abaqus, LS-DYNA or VTK; flat in z = 0 once placed, except in free models.",
@@ -174,7 +169,7 @@ OUTLINE = Kind(
     name="outline",
     sign="outline",
     deferred=True,
-    outline=lambda section: (section.outline, section.holes),
+    outline=lambda section: FilmOutline(section.outline, section.holes),
 )
 DRAWING = Kind(
     "A mesh of the outline in a DXF drawing, by Gmsh; node sets `outline`, `rim`, `hole_1`, ...",
@@ -183,7 +178,7 @@ DRAWING = Kind(
     name="drawing",
     sign="drawing",
     deferred=True,
-    outline=_drawn,
+    outline=Section.called,
 )
 
 
@@ -308,17 +303,12 @@ _PAPER_LAW = CohesiveLaw()
 _CABLES = "onset", "joint", "joint_friction", "cutting_energy", "severing_pressure"
 
 
-def _law(section: Section) -> Any:
-    assert section.of.constructor is not None
-    return section.of.constructor(**section.values)
-
-
 def _laws(like: CohesiveLaw) -> Kinds:
     """Return the kinds of ``[cohesive]``, with the defaults of a law."""
     cables = keys_of(CohesiveTable, *_CABLES, like=like)
 
     def made_by(maker: Constructor, name: str, sign: str, doc: str) -> Kind:
-        return Kind(doc, keys_of(maker) | cables, maker, name, sign, make=_law)
+        return Kind(doc, keys_of(maker) | cables, maker, name, sign)
 
     return (
         Kind(
@@ -551,16 +541,18 @@ def titled(model: str) -> dict[str, Kinds]:
     >>> [title for title in titled("opening") if title.startswith("material.layers")]
     ['material.layers.N', 'material.layers.N.hardening', 'material.layers.N.rate']
     """
-    arrays = {f"{title}.{ENTRY}": kinds for title, kinds in LISTS.get(model, {}).items()}
     found: dict[str, Kinds] = {}
-    left = [*SECTIONS.get(model, {}).items(), *arrays.items()]
-    while left:
-        title, kinds = left.pop(0)
+
+    def add(title: str, kinds: Kinds) -> None:
         found[title] = kinds
-        for name, key in ((name, key) for kind in kinds for name, key in kind.keys.items()):
+        for name, key in (each for kind in kinds for each in kind.keys.items()):
             if key.kinds:
-                place = f".{ENTRY}" if key.is_several else ""
-                left.append((f"{title}.{name}{place}", key.kinds))
+                add(f"{title}.{name}{f'.{ENTRY}' if key.is_several else ''}", key.kinds)
+
+    for title, kinds in SECTIONS.get(model, {}).items():
+        add(title, kinds)
+    for title, kinds in LISTS.get(model, {}).items():
+        add(f"{title}.{ENTRY}", kinds)
     return found
 
 

@@ -1,7 +1,7 @@
 """The text of a model file: its values and their line numbers.
 
-``tomllib`` reports no lines, so a scanner finds headings and ``key =``. To know where a value ends
-it only needs TOML's strings, comments and brackets.
+``tomllib`` reports no lines. So the text is read entry by entry, too: an entry ends with the first
+line with which it is TOML by itself.
 """
 
 from __future__ import annotations
@@ -23,11 +23,6 @@ else:
 KeyPath = tuple[str | int, ...]
 """From the top: section, place in an array of tables, from 0 on, key."""
 
-_HEADING = re.compile(r"\s*(\[\[?)\s*([^\[\]#]+?)\s*\]\]?\s*(?:#.*)?")
-_KEY = re.compile(r"\s*((?:[\w-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[\w-]+|\"[^\"]*\"))*)\s*=(.*)")
-_TOKEN = re.compile(
-    r"\"\"\"|'''|\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*|[\[\]{}]",
-)
 _DEEPEST = 8  # levels of tables and arrays; holes = [[[x, y], ...]] in a section are five
 _TOO_DEEP = f"must nest tables and arrays to {_DEEPEST} levels at most"
 _LONGEST_KEY = 100  # parts; tomllib takes time by their square
@@ -154,13 +149,15 @@ def beyond_all(values: dict[str, Any]) -> str:
 
 def _entry_at(text: str, line: int) -> str:
     """Return which heading or key is at a line, or has a value that continues there."""
-    starts = [(start, path) for start, path in _starts(text) if start <= line]
-    if not starts or not starts[-1][1]:
+    lines = text.splitlines()[:line]
+    starts = list(_starts("\n".join(lines)))
+    start, path = starts[-1] if starts else (0, ())
+    entry, equals, _ = lines[start - 1].partition("=") if start else ("", "", "")
+    if not equals and not entry.strip().startswith("["):
         return ""
-    start, path = starts[-1]
-    entry = text.splitlines()[start - 1].partition("=")[0].strip()
     first = min(number for number, known in starts if known == path)
-    return f", {entry} in line {start}" + (f", first in line {first}" if first < start else "")
+    again = f", first in line {first}" if first < start else ""
+    return f", {entry.strip()} in line {start}{again}"
 
 
 def _bare(text: str, line: int) -> str:
@@ -183,53 +180,35 @@ def _lines(text: str) -> dict[KeyPath, int]:
 
 
 def _starts(text: str) -> Iterator[tuple[int, KeyPath]]:
-    """Yield line and path of each heading and key, and an empty path for what is neither."""
+    """Yield line and path of each heading and key, and an empty path where the text is no TOML."""
     counts: dict[KeyPath, int] = {}  # of the tables so far, by the path of their array
     section: KeyPath = ()
-    depth, quote = 0, ""  # open brackets, and the open multi-line string
+    begun, entry = 1, ""
     for number, line in enumerate(text.splitlines(), start=1):
-        rest = line
-        if not depth and not quote:
-            if heading := _HEADING.fullmatch(line):
-                section = ()
-                for name in _names(heading[2]):
-                    if section in counts:  # within the last table of an array
-                        section = (*section, counts[section] - 1)
-                    section = (*section, name)
-                if heading[1] == "[[":
-                    counts[section] = counts.get(section, 0) + 1
-                    section = (*section, counts[section] - 1)
-                yield number, section
-                continue
-            if entry := _KEY.fullmatch(line):
-                yield number, (*section, *_names(entry[1]))
-                rest = entry[2]
-            elif line.partition("#")[0].strip():
-                yield number, ()
-        depth, quote = _still_open(rest, depth, quote)
-
-
-def _names(dotted: str) -> list[str]:
-    return [name.strip("\"'") for name in re.findall(r"\"[^\"]*\"|'[^']*'|[\w-]+", dotted)]
-
-
-def _still_open(text: str, depth: int, quote: str) -> tuple[int, str]:
-    at = 0
-    while at < len(text):
-        if quote:
-            end = text.find(quote, at)
-            if end < 0:
-                return depth, quote
-            at, quote = end + len(quote), ""
+        entry += f"{line}\n"
+        if line.rstrip().endswith(",") and not line.lstrip().startswith("#"):
+            continue  # within an array
+        try:
+            inner: Any = tomllib.loads(entry)
+        except (ValueError, RecursionError):
             continue
-        token = _TOKEN.search(text, at)
-        if token is None:
-            break
-        at = token.end()
-        if token[0] in ('"""', "'''"):
-            quote = token[0]
-        elif token[0] in "[{":
-            depth += 1
-        elif token[0] in "]}":
-            depth -= 1
-    return depth, quote
+        names: list[str] = []
+        while isinstance(inner, dict) and len(inner) == 1:
+            ((name, inner),) = inner.items()
+            names.append(name)
+        if not entry.lstrip().startswith("["):
+            if names:
+                yield begun, (*section, *names)
+        else:
+            section = ()
+            for name in names:
+                if section in counts:  # within the last table of an array
+                    section = (*section, counts[section] - 1)
+                section = (*section, name)
+            if entry.lstrip().startswith("[["):
+                counts[section] = counts.get(section, 0) + 1
+                section = (*section, counts[section] - 1)
+            yield begun, section
+        begun, entry = number + 1, ""
+    if entry.strip():
+        yield begun, ()

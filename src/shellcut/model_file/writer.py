@@ -24,11 +24,8 @@ def model_text(model: Model) -> str:
         "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
         *_keys(model.head),
     ]
-    for title, section in model.sections.items():
-        lines += ["", f"[{title}]", *_section(section, title)]
-    for title, several in model.lists.items():
-        for n, section in enumerate(several):
-            lines += ["", _entry_heading(title, f".{n}"), *_section(section, title)]
+    for title, place, section in model.each():
+        lines += ["", _heading(title, place), *_section(section, title)]
     if files := model.files():
         lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
         lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
@@ -52,11 +49,13 @@ def _section(section: Section, title: str) -> Iterator[str]:
     for name, place, inner in section.tables():
         within = f"{title}.{name}"
         yield ""
-        yield _entry_heading(within, place) if place else f"[{within}]"
+        yield _heading(within, place)
         yield from _section(inner, within)
 
 
-def _entry_heading(title: str, place: str) -> str:
+def _heading(title: str, place: str) -> str:
+    if not place:
+        return f"[{title}]"
     return _commented(f"[[{title}]]", f"called {title}{place} in --set and messages")
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, norm, unit
+from shellcut.arrays import norm, unit
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.checks.row import ON_ROW
 from shellcut.material.shell_material import ShellMaterial
@@ -166,32 +166,23 @@ def blade_before(
     )
     direction = np.array([1.0, 0.0, 0.0])
     if slice_ratio != 0.0:
-        along = _up_the_edge(blade)
-        _check_edge_left(blade, slice_ratio * distance * along[2], _EDGE_LEFT * law.opening_u)
+        ends = blade.vertices[blade.edges.ravel()]
+        if not len(ends):
+            raise ValueError("slice_ratio needs a cutting edge, and this tool has none")
+        heights = ends[:, 2]
+        along = unit(ends[heights.argmax()] - ends[heights.argmin()])  # up the edge
+        rise, left = slice_ratio * distance * along[2], _EDGE_LEFT * law.opening_u
+        below, above = -heights.min() - max(rise, 0.0), heights.max() + min(rise, 0.0)
+        if min(below, above) < left:
+            raise ValueError(
+                f"the cutting edge must reach {left:.3g} mm beyond the film to the end of the cut, "
+                f"but it slides by {abs(rise):.4g} mm from {heights.min():.4g} to "
+                f"{heights.max():.4g} mm about the film: give the blade a height of "
+                f"{2.0 * (abs(rise) + left):.4g} mm or more, or lower slice_ratio or travel"
+            )
         direction += slice_ratio * along
     motion = StraightMotion(direction.tolist(), speed=speed * float(norm(direction)), ramp=_RAMP)
     return blade.translated((start - _CLEARANCE * law.opening_u, 0.0, 0.0)), motion, duration
-
-
-def _up_the_edge(blade: Tool) -> Floats:
-    """Return the unit vector up the cutting edge, from its lowest to its highest point, (3,)."""
-    ends = blade.vertices[blade.edges.ravel()]
-    if not len(ends):
-        raise ValueError("slice_ratio needs a cutting edge, and this tool has none")
-    return unit(ends[ends[:, 2].argmax()] - ends[ends[:, 2].argmin()])
-
-
-def _check_edge_left(blade: Tool, rise: float, left: float) -> None:
-    """Refuse a blade whose cutting edge leaves the film z = 0 while it rises by ``rise`` [mm]."""
-    heights = blade.vertices[blade.edges.ravel(), 2]
-    below, above = -heights.min() - max(rise, 0.0), heights.max() + min(rise, 0.0)
-    if min(below, above) < left:
-        raise ValueError(
-            f"the cutting edge must reach {left:.3g} mm beyond the film to the end of the cut, "
-            f"but it slides by {abs(rise):.4g} mm from {heights.min():.4g} to {heights.max():.4g} "
-            f"mm about the film: give the blade a height of {2.0 * (abs(rise) + left):.4g} mm or "
-            "more, or lower slice_ratio or travel"
-        )
 
 
 def _lane_of(blade: Tool, film: Mesh) -> float:

@@ -18,7 +18,7 @@ from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 from shellcut.unit import in_unit, shown, with_unit
-from shellcut.view import mesh_edges, new_figure, save
+from shellcut.view import add_lines, mesh_edges, new_figure, save
 
 _FILM_COLOR = "0.55"
 _SUPPORTED_COLOR = "#1d3557"
@@ -104,9 +104,19 @@ def draw_model(
             axes = figure.add_axes((left, bottom, width, height))
             view = _View(axes, i, j, factor)
             if parts.mesh is not None:
-                _draw_film(view, parts.mesh, parts.supported, worst)
+                nodes, held = parts.mesh.nodes, parts.supported
+                view.lines(nodes[mesh_edges(parts.mesh.quads)], _FILM_COLOR, 0.4)
+                if len(worst):
+                    label = f"{len(worst)} quads with the smallest stable step"
+                    view.faces(nodes[parts.mesh.quads[worst]], _WORST_COLOR, label=label)
+                if len(held):
+                    view.dots(nodes[held], 3.0, _SUPPORTED_COLOR, f"{len(held)} supported nodes")
             if parts.tool is not None:
-                _draw_tool(view, parts.tool, poses[k], sweep)
+                view.faces(poses[k][parts.tool.triangles], _TOOL_COLOR, alpha=0.25)
+                for label, color, edges in edge_groups(parts.tool, sweep):
+                    style = "solid" if color == _STAYS else "dashed"
+                    ends = poses[k][edges]  # above their path
+                    view.lines(ends, color, 1.8, linestyles=style, zorder=3, label=label)
             _draw_motions(view, parts, sweep, with_track=k == 0)
             axes.set_aspect("equal", adjustable="datalim")
             axes.autoscale_view()
@@ -149,34 +159,11 @@ class _View:
 
     def lines(self, ends: Floats, color: str, width: float, **style: Any) -> None:
         """Draw segments, shape (n, 2, 3) [mm]."""
-        from matplotlib.collections import LineCollection
-
-        drawn = LineCollection(list(self.flat(ends)), colors=color, linewidths=width, **style)
-        self.axes.add_collection(drawn)
+        add_lines(self.axes, self.flat(ends), colors=color, linewidths=width, **style)
 
     def faces(self, corners: Floats, color: str, **style: Any) -> None:
         """Fill polygons, shape (n, n_corner, 3) [mm]."""
-        from matplotlib.collections import PolyCollection
-
-        drawn = PolyCollection(list(self.flat(corners)), facecolors=color, **style)
-        self.axes.add_collection(drawn)
-
-
-def _draw_film(view: _View, mesh: Mesh, supported: Ints, worst: Ints) -> None:
-    view.lines(mesh.nodes[mesh_edges(mesh.quads)], _FILM_COLOR, 0.4)
-    if len(worst):
-        label = f"{len(worst)} quads with the smallest stable step"
-        view.faces(mesh.nodes[mesh.quads[worst]], _WORST_COLOR, label=label)
-    if len(supported):
-        view.dots(mesh.nodes[supported], 3.0, _SUPPORTED_COLOR, f"{len(supported)} supported nodes")
-
-
-def _draw_tool(view: _View, tool: Tool, points: Floats, sweep: Sweep | None) -> None:
-    view.faces(points[tool.triangles], _TOOL_COLOR, alpha=0.25)
-    for label, color, edges in edge_groups(tool, sweep):
-        style = "solid" if color == _STAYS else "dashed"
-        # Above their path.
-        view.lines(points[edges], color, 1.8, linestyles=style, zorder=3, label=label)
+        add_lines(self.axes, self.flat(corners), kind="PolyCollection", facecolors=color, **style)
 
 
 def _draw_motions(view: _View, parts: ModelParts, sweep: Sweep | None, *, with_track: bool) -> None:

@@ -9,13 +9,13 @@ import numpy as np
 
 from shellcut.arguments import checked
 from shellcut.arrays import Floats, Ints, norm
-from shellcut.checks import ModelCheck, Sweep, check_model, edge_line
+from shellcut.checks import ModelCheck, Sweep, check_model
 from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.frame_capture import Exposure
-from shellcut.recording.status_line import crack_line, film_line, how_long, tool_line
+from shellcut.recording.status_line import crack_line, how_long, part_lines
 from shellcut.simulation.simulation import Simulation
 from shellcut.unit import shown
 
@@ -95,11 +95,9 @@ def preview(
     cost = [_run_line(sim, time)] if time else []
     more = [*cost, crack_line(sim)]
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), more=more)
-    lines = [film, *_film_lines(mesh), *step_lines, *cost]
-    lines += [*others, crack_line(sim), *_worst_lines(quality)]
-    findings = check.findings if check is not None else []
-    lines += [f"{finding.word}: {finding}" for finding in findings]
-    return "\n".join(lines)
+    found = [f"{one.word}: {one}" for one in (check.findings if check is not None else ())]
+    parts_said = (film, *_film_lines(mesh), *step_lines, *cost, *others)
+    return "\n".join((*parts_said, crack_line(sim), *_worst_lines(quality), *found))
 
 
 def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:
@@ -119,13 +117,7 @@ def _draw(
     more: Sequence[str] = (),
 ) -> list[str]:
     """Draw the parts with more lines below them; return a list of the parts, one per line."""
-    lines = []
-    if parts.mesh is not None:
-        lines.append(film_line(parts.mesh, parts.supported.size))
-    if parts.tool is not None:
-        lines.append(tool_line(parts.tool))
-    if sweep is not None:
-        lines.append(edge_line(sweep))
+    lines = list(part_lines(parts.mesh, parts.supported.size, parts.tool, sweep))
     draw_model(parts, path, sweep, worst, title=title, caption="\n".join([*lines, *more]))
     return lines
 

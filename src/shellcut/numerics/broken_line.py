@@ -39,16 +39,16 @@ class BrokenLine:
         wide = half > 0.0
         means = self.at(x)
         x, half = x[wide], half[wide]
-        means[wide] = (self._integral(x + half) - self._integral(x - half)) / (2.0 * half)
+        means[wide] = (self.integrals(x + half) - self.integrals(x - half)) / (2.0 * half)
         return means
 
     def integral(self, a: float, b: float) -> float:
         """Return the exact integral from a to b."""
-        ends = self._integral(np.array([a, b], float))
+        ends = self.integrals(np.array([a, b], float))
         return float(ends[1] - ends[0])
 
-    def _integral(self, x: Floats) -> Floats:
-        # from the first corner to x
+    def integrals(self, x: Floats) -> Floats:
+        """Return the exact integrals from the first corner to x."""
         width = np.diff(self.x)
         slope = np.diff(self.y) / width
         whole = np.concatenate(([0.0], np.cumsum(0.5 * width * (self.y[1:] + self.y[:-1]))))

@@ -99,13 +99,11 @@ class _EdgeLength:
         self._start, vector = ends[:, 0], ends[:, 1] - ends[:, 0]
         length = np.linalg.norm(vector, axis=1)
         self._unit = vector / length[:, None]
-        whole = np.bincount(tool.edge_chain, length, tool.n_chain)[tool.edge_chain]
+        self._length = np.bincount(tool.edge_chain, length, tool.n_chain)[tool.edge_chain]
         first = np.flatnonzero(np.diff(tool.edge_chain, prepend=-1))
         passed = np.cumsum(length) - length
         self._before = passed - passed[first][tool.edge_chain]
-        self._length = whole
-        closed = np.array([chain.closed for chain in tool.chains()])
-        self._closed = closed[tool.edge_chain]
+        self._closed = np.array([chain.closed for chain in tool.chains()])[tool.edge_chain]
 
     def to_spare(self, segment: Ints, point: Floats) -> float:
         """Return the distance from points on segments to the nearer end of the edge [mm].

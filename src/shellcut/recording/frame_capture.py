@@ -78,7 +78,29 @@ class Exposure:
             self._shell.history_means(s),
         )
         stress, principal = faces.stress, faces.principal
-        film = _whole_film(s) if self._drawn is None else _cut_film(s, self._drawn)
+        n, drawn = s.node, self._drawn
+        if drawn is None:
+            quads, own = s.quads.astype(np.int64), slice(s.n_node)
+            flanks = crack_edges(quads, n.origin[own])
+            film: dict[str, Any] = {
+                "points": n.x[own],
+                "reference": n.X[own],
+                "director": n.t[own],
+                "velocity": n.velocity_half[own],
+                "quads": quads,
+                "held": n.supported[own],
+                "crack_edges": flanks[n.real[flanks].all(axis=(1, 2))],
+            }
+        else:  # its cut quads as polygons; virtual nodes and flank points are none
+            film = {
+                "points": drawn.at_points(n.x),
+                "reference": drawn.at_points(n.X),
+                "director": unit(drawn.at_points(n.t)),
+                "velocity": drawn.at_points(n.velocity_half),
+                "quads": drawn.polygons,
+                "held": drawn.all_at_points(n.supported),
+                "crack_edges": drawn.crack_edges,
+            }
         return Frame(
             time=s.time,
             **film,
@@ -94,35 +116,6 @@ class Exposure:
             **_placed(self._tool, self._pose),
             **self._figures,
         )
-
-
-def _whole_film(state: State) -> dict[str, Any]:
-    n = state.n_node
-    flanks = crack_edges(state.quads.astype(np.int64), state.node.origin[:n])
-    return {
-        "points": state.node.x[:n],
-        "reference": state.node.X[:n],
-        "director": state.node.t[:n],
-        "velocity": state.node.velocity_half[:n],
-        "quads": state.quads.astype(np.int64),
-        "held": state.node.supported[:n],
-        "crack_edges": flanks[state.node.real[flanks].all(axis=(1, 2))],
-    }
-
-
-def _cut_film(state: State, drawn: DrawnFilm) -> dict[str, Any]:
-    """Return the film with its cut quads as polygons; virtual nodes and flank points are none."""
-    n = state.node
-    t = drawn.at_points(n.t)
-    return {
-        "points": drawn.at_points(n.x),
-        "reference": drawn.at_points(n.X),
-        "director": unit(t),
-        "velocity": drawn.at_points(n.velocity_half),
-        "quads": drawn.polygons,
-        "held": drawn.all_at_points(n.supported),
-        "crack_edges": drawn.crack_edges,
-    }
 
 
 def _copied(table: _Table, names: tuple[str, ...]) -> _Table:

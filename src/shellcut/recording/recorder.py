@@ -324,8 +324,7 @@ class Recorder:
         yield r.coordinate_name, r.coordinate_unit, r.coordinate(s.time)
         yield from r.row(sim)
         ledger = sim.close_ledger()
-        for name, energy in vars(ledger).items():
-            yield name, "N*mm", energy
+        yield from ((name, "N*mm", energy) for name, energy in vars(ledger).items())
         yield "imbalance", "N*mm", ledger.imbalance
         yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
         yield "dt", "s", s.dt
@@ -337,12 +336,9 @@ class Recorder:
         yield "cables_jointed", "-", sim.cables.n_joint_made
         yield "cables_broken", "-", sim.cables.n_broken
         yield "crack_length", "mm", s.crack_length
+        front = (CUT_LENGTH, PROCESS_ZONE, UNCUT_AHEAD, TO_SPARE)
         for edge, row in enumerate(self._front.rows(sim).tolist(), start=1):
-            length, zone, ahead, spare = row
-            yield f"{CUT_LENGTH}{edge}", "mm", length
-            yield f"{PROCESS_ZONE}{edge}", "mm", zone
-            yield f"{UNCUT_AHEAD}{edge}", "mm", ahead
-            yield f"{TO_SPARE}{edge}", "mm", spare
+            yield from ((f"{what}{edge}", "mm", mm) for what, mm in zip(front, row, strict=True))
         if sim.contact is not None:
             yield "deepest_penetration", "mm", sim.contact.forces.deepest
             yield "unfelt_penetration", "mm", self._schedule.unfelt

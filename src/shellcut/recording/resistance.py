@@ -125,8 +125,7 @@ class Resistance:
         ]
         for k, (figure, unit) in enumerate(self.columns):
             yield figure, unit, float(np.add.reduce([values[k] for _, values in of_terms]))
-            for name, values in of_terms:
-                yield f"{figure}_{name}", unit, values[k]
+            yield from ((f"{figure}_{name}", unit, values[k]) for name, values in of_terms)
         if isinstance(self._reading, _AboutAxis):
             sums = self._reading.integrals(sim.terms.wrench_over_turn, sim.work_in_film)
             for (figure, unit), value in zip(self.columns, sums, strict=True):
@@ -137,10 +136,8 @@ class Resistance:
         for tooth, wrench in enumerate(sim.tooth_wrenches, start=1):
             yield f"{first}_tooth_{tooth}", unit, self._now(sim, wrench)[0]
         whole = sum(term.touch.wrench.sum(axis=0) for term in sim.terms.on_tool)
-        for (component, unit), value in zip(
-            COMPONENTS, self.components(whole, sim.pose.translation), strict=True
-        ):
-            yield component, unit, value
+        about_world = self.components(whole, sim.pose.translation)
+        yield from ((*named, value) for named, value in zip(COMPONENTS, about_world, strict=True))
 
     def components(self, wrench: Floats, origin: Floats) -> list[float]:
         """Return the wrench exerted by the tool, in the order of :data:`COMPONENTS`.

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from shellcut.files.folder_lock import TakenFolder
 from shellcut.files.run_folder import (
+    CHECKPOINT,
     ENERGY_PICTURE,
     HISTORY,
     SPLITS,
     SUMMARY,
-    planned_names,
     resistance_picture,
     result_file,
     snapshot,
@@ -126,8 +126,7 @@ class RunFiles:
         written at this time [s], and there were so many pictures.
         """
         growing = (self.folder / HISTORY, result_file(self.folder, self._name))
-        gone = [str(file) for file in growing if not file.exists()]
-        if gone:
+        if gone := [str(file) for file in growing if not file.exists()]:
             raise FileNotFoundError(
                 f"cannot append to {' and '.join(gone)}: not there; run it from the beginning"
             )
@@ -199,8 +198,13 @@ class RunFiles:
         return [SUMMARY, SPLITS, *(curves if drawn else ())]
 
     def _planned(self, n_snapshot: int) -> tuple[list[str], list[str]]:
-        always, later = planned_names(self._name, self._curve, n_snapshot=n_snapshot)
-        return [*always, *self._also], later
+        """Return the names of the files that a run always writes, and of those it may write.
+
+        There may be one picture more at the end than are wanted.
+        """
+        always = [HISTORY, CHECKPOINT, *self._last_names(drawn=True), *self._also]
+        always.append(result_file(self.folder, self._name).name)
+        return always, [snapshot(self.folder, k).name for k in range(n_snapshot + 2)]
 
     def _open(self, kept: Written | None, frame_time: float | None) -> None:
         self.history = HistoryWriter(self.folder / HISTORY, self._columns, kept=kept)

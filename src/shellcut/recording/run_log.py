@@ -14,7 +14,7 @@ from typing import TextIO
 
 from shellcut.files.file_list import FileList
 from shellcut.files.whole_file import log_file
-from shellcut.results.ending import ending
+from shellcut.results.answers import ending
 from shellcut.results.run_results import summary_in
 from shellcut.results.verdict import LOGGER as VERDICT
 

@@ -88,7 +88,16 @@ def run_summary(
         finite["crack_path"] = sim.fracture.path
     if sim.between_steps:
         finite["digest"] = _run_digest(sim.saved(), history)
-    return finite | {"resistance": r.meaning, "options": _options(sim)}
+    options = {  # on which it depends what may be done about a doubt
+        "path": None if sim.cracks is None else sim.fracture.path,
+        "only_along_edges": bool(sim.fracture.only_along_edges),
+        "check_every": sim.fracture.check_every,
+        "film_edges": any(isinstance(term, BorderContact) for term in sim.terms),
+        "fixed_step": sim.time_step.stepping.fixed is not None,
+        "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
+        "unheld": bool([*check_hold(sim.mesh, support_of(sim))]),
+    }
+    return finite | {"resistance": r.meaning, "options": options}
 
 
 def _loose_pieces(sim: Simulation) -> dict[str, float]:
@@ -118,7 +127,14 @@ def _run_digest(saved: Mapping[str, Any], history: Mapping[str, Floats]) -> str:
     digest = hashlib.sha256()
     for name, rows in _tables("", {"history": history, "run": saved}):
         digest.update(f"{name} {rows.shape}\n".encode())
-        digest.update(_bytes_of(rows))
+        if rows.dtype.kind == "f":
+            rows = rows.astype("<f8")
+            rows[np.isnan(rows)] = np.nan  # its sign has no meaning
+            digest.update(rows.tobytes())
+        elif rows.dtype.kind in "biu":
+            digest.update(rows.astype("<i8").tobytes())
+        else:
+            digest.update("\n".join(map(str, rows.ravel())).encode())
     return digest.hexdigest()
 
 
@@ -128,29 +144,6 @@ def _tables(name: str, content: Any) -> Iterator[tuple[str, Numbers]]:
         return
     for key in sorted(content):
         yield from _tables(f"{name}/{key}", content[key])
-
-
-def _bytes_of(rows: Numbers) -> bytes:
-    if rows.dtype.kind == "f":
-        numbers = rows.astype("<f8")
-        numbers[np.isnan(numbers)] = np.nan  # its sign has no meaning
-        return numbers.tobytes()
-    if rows.dtype.kind in "biu":
-        return rows.astype("<i8").tobytes()
-    return "\n".join(map(str, rows.ravel())).encode()
-
-
-def _options(sim: Simulation) -> dict[str, Any]:
-    """Return the options on which it depends what may be done about a doubt."""
-    return {
-        "path": None if sim.cracks is None else sim.fracture.path,
-        "only_along_edges": bool(sim.fracture.only_along_edges),
-        "check_every": sim.fracture.check_every,
-        "film_edges": any(isinstance(term, BorderContact) for term in sim.terms),
-        "fixed_step": sim.time_step.stepping.fixed is not None,
-        "opening_u_mm": None if sim.law is None else sim.cables.at_edge.opening_u,
-        "unheld": bool([*check_hold(sim.mesh, support_of(sim))]),
-    }
 
 
 def _of_the_tool(sim: Simulation, unfelt: Unfelt) -> dict[str, float]:

@@ -32,12 +32,9 @@ def start_lines(
 ) -> Iterator[str]:
     """Yield lines on film, tool, cuts, motion and estimated run time up to ``until`` [s]."""
     held = int(sim.state.node.supported[: sim.mesh.n_node].sum())
-    yield f"{film_line(sim.mesh, held)}, {with_unit(sim.material.thickness, 'mm')} thick"
-    if sim.tool is not None:
-        yield tool_line(sim.tool)
-    if sweep is not None:
-        yield edge_line(sweep)
-    yield crack_line(sim)
+    film, *others = part_lines(sim.mesh, held, sim.tool, sweep)
+    yield f"{film}, {with_unit(sim.material.thickness, 'mm')} thick"
+    yield from (*others, crack_line(sim))
     r = resistance
     yield (
         f"motion to {r.coordinate_name} {with_unit(r.coordinate(until), r.coordinate_unit)} in "
@@ -49,23 +46,25 @@ def start_lines(
     )
 
 
-def film_line(mesh: Mesh, n_held: int) -> str:
-    """Say how large a film and its quads are, and how many of its nodes are supported."""
-    sides, (unit, per) = mesh.edge_lengths(), shown("mm")
-    return (
-        f"film   {mesh.n_node:,} nodes, {mesh.n_quad:,} quads with sides of "
-        f"{per * sides.min():.3g} to {per * sides.max():.3g} {unit}, "
-        f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_held:,} nodes supported"
-    )
-
-
-def tool_line(tool: Tool) -> str:
-    """Say of what a tool is made, and how long its cutting edges are."""
-    length = sum(chain.length for chain in tool.chains())
-    return (
-        f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle:,} triangles, "
-        f"{counted(tool.n_chain, 'cutting edge')}, {with_unit(length, 'mm')}"
-    )
+def part_lines(
+    mesh: Mesh | None, n_held: int, tool: Tool | None, sweep: Sweep | None
+) -> Iterator[str]:
+    """Yield a line each on what there is of a film with supported nodes, its tool and the cuts."""
+    if mesh is not None:
+        sides, (unit, per) = mesh.edge_lengths(), shown("mm")
+        yield (
+            f"film   {mesh.n_node:,} nodes, {mesh.n_quad:,} quads with sides of "
+            f"{per * sides.min():.3g} to {per * sides.max():.3g} {unit}, "
+            f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_held:,} nodes supported"
+        )
+    if tool is not None:
+        length = sum(chain.length for chain in tool.chains())
+        yield (
+            f"tool   {counted(tool.n_body, 'body', 'bodies')}, {tool.n_triangle:,} triangles, "
+            f"{counted(tool.n_chain, 'cutting edge')}, {with_unit(length, 'mm')}"
+        )
+    if sweep is not None:
+        yield edge_line(sweep)
 
 
 def status_line(sim: Simulation, resistance: AnyResistance, share: float) -> str:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Ints
 from shellcut.contact.border_contact import BorderContact
 from shellcut.contact.sheet_contact import felt_nodes
 from shellcut.contact.unfelt_depth import FlankPenetration, ToolWires, missed_penetration
@@ -41,21 +40,15 @@ class UnfeltPenetration:
         if self._wires is None or self._flanks is None:
             return Unfelt()
         sim = self._sim
-        felt = np.append(felt_nodes(sim.terms), self._about_to_be_cut())
+        felt = felt_nodes(sim.terms)
+        cuts = sim.tool is not None and sim.tool.n_edge > 0 and sim.fracture.path == "edges"
+        if cuts and sim.cracks is not None:
+            # A cutting edge is in the quad ahead of a tip along sides: it has come there before the
+            # tip splits, and splits are looked for every few steps.
+            felt = np.append(felt, sim.cracks.tip_nodes(sim.state))
         rows = sim.contact.near.rows(sim.state) if sim.contact is not None else None
         _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt, rows)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
-
-    def _about_to_be_cut(self) -> Ints:
-        """Return the tips of cracks along edges: a cutting edge is in the quad ahead of its tip.
-
-        It has come there before the tip splits, and splits are looked for every few steps.
-        """
-        sim = self._sim
-        cuts = sim.tool is not None and sim.tool.n_edge > 0
-        if not cuts or sim.cracks is None or sim.fracture.path != "edges":
-            return np.zeros(0, np.int64)
-        return sim.cracks.tip_nodes(sim.state)
 
     def _polygon(self, row: int) -> Part:
         cracks = self._sim.cracks

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from shellcut.files.distribution import DISTRIBUTION, VERSION
 from shellcut.files.whole_file import write_text
-from shellcut.scene_page.page import part, scene_scripts, scene_style
+from shellcut.scene_page.page import part, scene_scripts
 
 from .markup import section, table
 
@@ -73,7 +73,9 @@ def write_page(
         lead=escape(lead),
         body=body,
         footer=escape(f"Written by shellcut {VERSION} on {time.strftime('%Y-%m-%d %H:%M')}."),
-        style=part(_ROOM, "page.css") + (scene_style() if has_scene else "") + style,
+        style=part(_ROOM, "page.css")
+        + (part("shellcut.scene_page", "scene.css") if has_scene else "")
+        + style,
         script=charts + script,
         last=scene_scripts() if has_scene else "",
     )

@@ -11,11 +11,10 @@ import numpy as np
 
 from shellcut.files.file_list import target
 from shellcut.frame import Frame
-from shellcut.results.answers import answers
+from shellcut.results.answers import answers, conclusion
 from shellcut.results.comparison import Comparison, compare
 from shellcut.results.cut_quality import LABELS, cut_quality
 from shellcut.results.cut_quality import UNITS as CUT_UNITS
-from shellcut.results.ending import conclusion
 from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.summary_figures import key_figures
 from shellcut.results.verdict import Line, verdict

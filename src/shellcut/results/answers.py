@@ -1,17 +1,24 @@
-"""What a run says to the questions of those who design a cap, a blade or a film.
+"""The end of a run in words: one sentence, its doubts, its answers, where the work went.
 
-Each answer comes from ``summary.json``: a mean with its ±, a peak as the single sample that it is,
-or the reason why the run does not say. docs/howto/read-results.md lists them.
+Answers are to the questions of those who design a cap, a blade or a film. Each comes from
+``summary.json``: a mean with its ±, a peak as the single sample that it is, or the reason why the
+run does not say. docs/howto/read-results.md lists them. The report of a run begins with the same
+sentence.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any
 
-from .summary_figures import said_of, window_of, with_unit
-from .verdict import distrusted_figures
+from shellcut.formats.errors import counted
+from shellcut.unit import with_unit as number_with_unit
+
+from .energy_account import account
+from .summary_figures import key_figures, label_of, said_of, window_of, with_unit
+from .verdict import Line, distrusted_figures, is_of_a_tool, repeated_notes, single_doubts
 
 Summary = Mapping[str, Any]
 
@@ -31,10 +38,8 @@ def answers(summary: Summary) -> list[tuple[str, str]]:
         *_level(summary, "force", "force to cut"),
         *_level(summary, "axial_force", "force to press"),
         *_piercing(summary),
-        *_loose(summary),
-        *_glue(summary),
-        *_flanks(summary),
-        *_sharpness(summary),
+        *_film(summary),
+        *_cut(summary),
     ]
 
 
@@ -88,26 +93,19 @@ def _range(summary: Summary, keys: list[str]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def _loose(summary: Summary) -> Iterator[tuple[str, str]]:
-    if "n_loose" not in summary:
-        return
-    n = summary["n_loose"]
-    if n == 0:
+def _film(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield whether a piece has come loose, and whether each glue holds, peels, or has let go."""
+    if n := summary.get("n_loose"):
+        x, y, z = (summary[f"loose_{axis}_mm"] for axis in "xyz")
+        pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
+        area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
+        yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    elif n is not None:
         yield "loose pieces", "none at the end of the run"
-        return
-    x, y, z = (summary[f"loose_{axis}_mm"] for axis in "xyz")
-    pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
-    area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
-    yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
-
-
-def _glue(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield whether each glue holds, has begun to peel, or has let go."""
-    for key in summary:
-        name = key.removesuffix("_let_go_rel")
-        if name == key:
-            continue
+    ending = "_let_go_rel"
+    for name in (key.removesuffix(ending) for key in summary if key.endswith(ending)):
         damaged, gone = (100.0 * summary[f"{name}_{what}_rel"] for what in ("damaged", "let_go"))
+        said = f"{gone:.3g} % of its area has let go"
         if damaged == 0.0:
             said = "it holds: no part is damaged"
         elif gone == 0.0:
@@ -115,34 +113,84 @@ def _glue(summary: Summary) -> Iterator[tuple[str, str]]:
             said = (
                 f"it holds, but {damaged:.2g} % of its area is damaged and lifted by up to {lift}"
             )
-        else:
-            said = f"{gone:.3g} % of its area has let go"
         if damaged > 0.0 and summary[f"{name}_resolved_rel"] < 1.0:
             said += " (doubtful: the quads do not resolve how it peels)"
         yield name, said
 
 
-def _flanks(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield how far cuts and tears lie beside the path of the cutting edges."""
-    if "off_path_mm" not in summary:
-        return
-    off = with_unit("off_path_mm", summary["off_path_mm"])
-    said = f"cuts lie within {off} of the path of the cutting edges"
-    if n := summary.get("n_tear", 0):
-        away = with_unit("tear_off_path_mm", summary["tear_off_path_mm"])
-        said += f"; {n} cuts are tears, up to {away} beside it"
-    yield "flanks", said
+def _cut(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield how far cuts lie beside the path, and what the edge's radius means for its cables."""
+    if "off_path_mm" in summary:
+        off = with_unit("off_path_mm", summary["off_path_mm"])
+        said = f"cuts lie within {off} of the path of the cutting edges"
+        if n := summary.get("n_tear", 0):
+            away = with_unit("tear_off_path_mm", summary["tear_off_path_mm"])
+            said += f"; {n} cuts are tears, up to {away} beside it"
+        yield "flanks", said
+    if "blunt_radius_mm" in summary:
+        radius, blunt, energy = (
+            with_unit(key, summary[key])
+            for key in ("edge_radius_mm", "blunt_radius_mm", "severing_energy_N_per_mm")
+        )
+        yield (
+            "sharpness",
+            f"an edge of radius {radius} severs cables at {energy}; from {blunt} on it severs none",
+        )
 
 
-def _sharpness(summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yield what the cutting edge's radius means for its cables, if the law has it."""
-    if "blunt_radius_mm" not in summary:
-        return
-    radius, blunt, energy = (
-        with_unit(key, summary[key])
-        for key in ("edge_radius_mm", "blunt_radius_mm", "severing_energy_N_per_mm")
+_COUNTS = (
+    *("crack_length_mm", "n_cable_created", "n_cable_jointed", "n_cable_broken"),
+    *("imbalance_rel", "kinetic_rel", "n_step", "wall_s"),
+)
+"""Values of ``summary.json`` after those of the work."""
+
+
+def conclusion(summary: Summary, n_doubt: int) -> str:
+    """Return in one sentence what a run found, and what is doubtful; "" without a force or torque.
+
+    Examples
+    --------
+    >>> conclusion({"force_peak_N": 3.2, "force_peak_at_mm": 4.0}, n_doubt=1)
+    'Moving the film took a force of at most 3.2 N, at 4 mm; there is 1 doubt.'
+    """
+    name = "torque" if "torque_peak_Nmm" in summary else "force"
+    if not (said := levels(summary, name)):
+        return ""
+    cut, tool = summary.get("crack_length_mm", 0.0) > 0.0, is_of_a_tool(summary)
+    film = "pulling the film apart" if cut else "moving the film"
+    who = film if not tool else "the cut" if cut else "moving the tool"
+    if (share := summary.get("share_done", 1.0)) < 1.0:
+        why = "failed" if summary.get("broke_off") else "was stopped"
+        who = f"up to {100.0 * share:.3g} % of its time, where the run {why}, {who}"
+    why = summary.get("no_window", "")
+    but = f", but no steady value exists: {why}" if why else ""
+    trust = [f"there {'is' if n_doubt == 1 else 'are'} {counted(n_doubt, 'doubt')}"] * (n_doubt > 0)
+    if doubtful := distrusted_figures(summary):
+        names = dict.fromkeys(label_of(n).partition(",")[0] for n in doubtful)
+        number = "one value is" if len(names) == 1 else f"{len(names)} values are"
+        trust.append(f"{number} doubtful: the {', '.join(names)}")
+    end = " and ".join(trust) or "no check failed"
+    return f"{who[0].upper()}{who[1:]} took a {name} of {said[0]}{but}; {end}."
+
+
+def ending(summary: Summary, *, verbose: bool) -> Iterator[str]:
+    """Yield the lines at the end of a run; the checks that passed are one line unless verbose."""
+    lines = [Line(**line) for line in summary.get("verdict", ())]
+    kinds = ([line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note"))
+    doubts, passed, notes = kinds
+    first = [line for line in notes if line in [*single_doubts(summary)]]
+    folded = first if verbose else first + repeated_notes(summary)
+    left = [line for line in notes if line not in folded]
+    yield from filter(None, [conclusion(summary, len(doubts)), *map(str, doubts + first)])
+    yield ""
+    yield from (f"{asked:<16} {answer}" for asked, answer in answers(summary))
+    if passed:
+        listed = ":" if verbose else " (--verbose shows them; run.log and the report list them)"
+        yield counted(len(passed), "check") + " passed" + listed
+    yield from map(str, passed * verbose + left)
+    yield ""
+    yield from (
+        f"{words:<52} {number_with_unit(energy, 'N*mm'):>14} {100.0 * share:>6.1f} %"
+        for words, energy, share in chain(*account(summary))
     )
-    yield (
-        "sharpness",
-        f"an edge of radius {radius} severs cables at {energy}; from {blunt} on it severs none",
-    )
+    yield from (f"{label:<52} {value:>14}" for label, value in key_figures(summary, _COUNTS))

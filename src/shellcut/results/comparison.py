@@ -12,7 +12,6 @@ import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_type_hints
 
@@ -366,14 +365,26 @@ def _compared(
     fine = np.union1d(points, corners) if window else corners
     peak_at_m, peak_m = _peak(points, there)
     peak_at_s, peak_s = _peak(fine, s.mean_at(fine, width))
-    to_work, work_unit = _work_scale(x_unit, y_unit)
+    kinds = dimension(x_unit), dimension(y_unit)
+    to_work, work_unit = 1.0, f"{y_unit}*{x_unit}"
+    if kinds == ("angle", "torque"):
+        to_work, work_unit = conversion(x_unit, "rad") * conversion(y_unit, "N*mm"), "N*mm"
+    elif kinds == ("length", "force"):
+        to_work, work_unit = conversion(x_unit, "mm") * conversion(y_unit, "N"), "N*mm"
     work_m, work_s = (to_work * line.integral(a, b) for line in (m, s))
     weights = shares(points)
     rms = float(np.sqrt(weights @ (ours - there) ** 2))
+    (square_m, both), (_, square_s) = np.cov(there, ours, ddof=0, aweights=weights)
+    squares = square_m * square_s
     steady, pieces, why_not = _steady_range(results, x, a, b)
-    none = Mean(float("nan"), float("nan"))
-    mean_m, mean_s = (_mean(line, steady, pieces) if steady else none for line in (m, s))
-    pierced = _first_piercing(results, x, a, b)
+    mean_m = mean_s = Mean(float("nan"), float("nan"))
+    if steady:
+        lines_on = ((line, line.points_within(*steady)) for line in (m, s))
+        mean_m, mean_s = (mean_of(at, line.integrals(at), pieces) for line, at in lines_on)
+    of_edge = results.splits.get("edge", np.zeros(0)) > 0
+    then = results.splits["time"][of_edge][:1] if of_edge.any() else np.array([np.nan])
+    at = np.interp(then, results.history["time"], results.history[x])
+    pierced = np.where((at >= a) & (at <= b), at, np.nan)
     pierced_m, pierced_s = (line.at(pierced).item() for line in (m, s))
     return Comparison(
         name=results.name,
@@ -398,7 +409,7 @@ def _compared(
         work_simulated=work_s,
         work_error=_over(work_s - work_m, work_m),
         work_unit=work_unit,
-        correlation=_correlation(weights, there, ours),
+        correlation=float(both / np.sqrt(squares)) if squares > 0.0 else float("nan"),
         steady_range=steady,
         mean_measured=mean_m.value,
         mean_measured_half_width=mean_m.half_width,
@@ -437,23 +448,6 @@ def _steady_range(
     if not window:
         return None, 0.0, [f"no mean over the measured part of the steady window: {window.reason}"]
     return (low, high), window.pieces, []
-
-
-def _mean(line: BrokenLine, steady: tuple[float, float], pieces: float) -> Mean:
-    """Return the mean of a curve on a range in which so many process zones are cut."""
-    points = line.points_within(*steady)
-    parts = [line.integral(*ends) for ends in pairwise(points.tolist())]
-    return mean_of(points, np.append(0.0, np.cumsum(parts)), pieces)
-
-
-def _first_piercing(results: Results, x: str, a: float, b: float) -> Floats:
-    """Return where whole film was first pierced, nan if not from a to b, shape (1,)."""
-    edge = results.splits.get("edge", np.zeros(0))
-    if not edge.any():
-        return np.array([np.nan])
-    then = results.splits["time"][edge > 0][:1]
-    at = np.interp(then, results.history["time"], results.history[x])
-    return np.where((at >= a) & (at <= b), at, np.nan)
 
 
 def in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> BrokenLine:
@@ -498,21 +492,6 @@ def shares(x: Floats) -> Floats:
 
 def _over(value: float, reference: float) -> float:
     return value / abs(reference) if reference else float("nan")
-
-
-def _correlation(weights: Floats, first: Floats, second: Floats) -> float:
-    (a, both), (_, b) = np.cov(first, second, ddof=0, aweights=weights)
-    return float(both / np.sqrt(a * b)) if a * b > 0.0 else float("nan")
-
-
-def _work_scale(x_unit: str, y_unit: str) -> tuple[float, str]:
-    """Return the factor from y_unit x_unit to the unit of work, and that unit."""
-    kinds = dimension(x_unit), dimension(y_unit)
-    if kinds == ("angle", "torque"):
-        return conversion(x_unit, "rad") * conversion(y_unit, "N*mm"), "N*mm"
-    if kinds == ("length", "force"):
-        return conversion(x_unit, "mm") * conversion(y_unit, "N"), "N*mm"
-    return 1.0, f"{y_unit}*{x_unit}"
 
 
 def _notes(

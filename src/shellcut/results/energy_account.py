@@ -106,8 +106,8 @@ def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:
     figures["imbalance"] = total(PUT_IN, entries) - total(TAKEN_UP, entries)
     if not isfinite(figures["imbalance"]):
         return {}
-    for name in ("contact_stored", "friction_dissipated", "adhesion_dissipated"):
-        figures[name] = entries.get(name, 0.0)
+    of_contact = ("contact_stored", "friction_dissipated", "adhesion_dissipated")
+    figures |= {name: entries.get(name, 0.0) for name in of_contact}
     figures["contact_lost"] = figures["contact"] - figures["contact_stored"]
     figures["self_contact_lost"] = figures["self_contact"] - entries.get("self_contact_stored", 0.0)
     return {f"{name}_Nmm": energy for name, energy in figures.items() if energy}

@@ -186,8 +186,7 @@ class ErrorBars:
         curves = [Curve("95 % of fine answers", at, "mean", x=x)]
         for part, colour in COLOURS.items():
             each = zip(self.runs, bar.values, strict=True)
-            points = [(r.size, v) for r, v in each if r.part == part and v is not None]
-            if points:
+            if points := [(r.size, v) for r, v in each if r.part == part and v is not None]:
                 sizes, values = zip(*points, strict=True)
                 curves.append(Curve(WORDS[part], values, f"p{colour}", x=sizes))
         short = bar.name.partition(",")[0]

@@ -203,13 +203,11 @@ def _field_of(rows: Rows, arrays: Mapping[str, Any], some: slice) -> Any:
 
 def series_of(frame: Frame) -> dict[str, float]:
     """Return time, coordinate and scalars of a frame by the names of their arrays."""
-    series = {
+    return {
         "time [s]": frame.time,
         array_name(frame.coordinate_name, frame.coordinate_unit): frame.coordinate,
+        **{array_name(name, frame.scalar_units[name]): v for name, v in frame.scalars.items()},
     }
-    for name, value in frame.scalars.items():
-        series[array_name(name, frame.scalar_units[name])] = value
-    return series
 
 
 def array_name(name: str, unit: str) -> str:

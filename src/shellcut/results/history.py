@@ -56,19 +56,6 @@ def _header(columns: Iterable[tuple[str, str]]) -> list[str]:
     return [f"{name} [{unit}]" for name, unit in columns]
 
 
-def _parse_header(line: str, path: Path) -> list[tuple[str, str]]:
-    columns = []
-    for cell in line.split(","):
-        name, bracket, unit = cell.partition(" [")
-        if not bracket or not unit.endswith("]"):
-            raise ValueError(
-                f"{path}, line 1: must name the columns as 'name [unit],...', "
-                f"got {cell[:_SHOWN_BYTES]!r}"
-            )
-        columns.append((name, unit[:-1]))
-    return columns
-
-
 @dataclass(frozen=True)
 class Written:
     """What a history file has so far, as a checkpoint remembers it."""
@@ -110,7 +97,17 @@ class HistoryWriter:
         self.path = Path(path)
         self.columns = tuple((str(name), str(unit)) for name, unit in columns)
         self._names = tuple(name for name, _ in self.columns)
-        self._check_columns()
+        if not self.columns:
+            raise ValueError("columns must name at least one (name, unit)")
+        if len(set(self._names)) != len(self._names):
+            twice = sorted({name for name in self._names if self._names.count(name) > 1})
+            raise ValueError(f"columns must differ in name, {twice} come twice")
+        for text in (text for column in self.columns for text in column):
+            if not text or text != text.strip() or any(c in _FORBIDDEN for c in text):
+                raise ValueError(
+                    f"a column's name and unit must be non-empty, without outer blanks and "
+                    f"without any of {_FORBIDDEN!r}, got {text!r}"
+                )
         self._digest, self._length = hashlib.sha256(), 0
         if kept is None:
             self._file: BinaryIO = opened(self.path, "w")
@@ -157,19 +154,6 @@ class HistoryWriter:
         self._digest.update(part)
         self._length += len(part)
 
-    def _check_columns(self) -> None:
-        if not self.columns:
-            raise ValueError("columns must name at least one (name, unit)")
-        if len(set(self._names)) != len(self._names):
-            twice = sorted({name for name in self._names if self._names.count(name) > 1})
-            raise ValueError(f"columns must differ in name, {twice} come twice")
-        for text in (text for column in self.columns for text in column):
-            if not text or text != text.strip() or any(c in _FORBIDDEN for c in text):
-                raise ValueError(
-                    f"a column's name and unit must be non-empty, without outer blanks and "
-                    f"without any of {_FORBIDDEN!r}, got {text!r}"
-                )
-
     def _kept_part(self, kept: Written) -> bytes:
         content = read_regular(self.path)
         found = content.partition(b"\n")[0].decode(errors="replace").rstrip("\r")
@@ -186,20 +170,16 @@ class HistoryWriter:
                 f"more, got {len(part)}; {anew}"
             )
         if hashlib.sha256(part).hexdigest() != kept.digest:
+            where = ""
+            try:
+                _parsed(part, self.path)
+            except ValueError as problem:
+                where = f": {problem}"
             raise ValueError(
                 f"{self.path} must be as it was at the checkpoint, but its first {kept.length} "
-                f"bytes have been changed{_first_wrong(part, self.path)}; {anew}"
+                f"bytes have been changed{where}; {anew}"
             )
         return part
-
-
-def _first_wrong(content: bytes, path: Path) -> str:
-    """Return where a history cannot be read, if so."""
-    try:
-        _parsed(content, path)
-    except ValueError as problem:
-        return f": {problem}"
-    return ""
 
 
 def read_history(path: str | os.PathLike[str]) -> tuple[dict[str, Floats], dict[str, str]]:
@@ -237,7 +217,15 @@ def _parsed(content: bytes, path: Path, kinds: Mapping[str, type] | None = None)
     if last and kinds is not None:
         lines.append(last)
     header, *rows = [line.rstrip("\r") for line in lines] or [last]
-    columns = _parse_header(header, path)
+    columns = []
+    for cell in header.split(","):
+        name, bracket, unit = cell.partition(" [")
+        if not bracket or not unit.endswith("]"):
+            raise ValueError(
+                f"{path}, line 1: must name the columns as 'name [unit],...', "
+                f"got {cell[:_SHOWN_BYTES]!r}"
+            )
+        columns.append((name, unit[:-1]))
     for i, row in enumerate(rows):
         n_cell = row.count(",") + 1
         if n_cell != len(columns):

@@ -117,7 +117,10 @@ def read_measured_curve(
     (array([ 0. , 13.2]), 'N*mm')
     """
     table = read_number_table(path)
-    given = _split_units(units)
+    texts = units.split(",") if isinstance(units, str) else units or ("", "")
+    given = [text.strip() for text in texts]
+    if len(given) != 2:
+        raise ValueError(f'units must be two, of x and y, as "deg, N*mm", got {units!r}')
     problems: list[str] = []
     columns = []
     for k, (which, name) in enumerate(zip((x, y), expected or ("", ""), strict=True)):
@@ -129,15 +132,8 @@ def read_measured_curve(
         problems.append(f"x and y must be two columns, both are {table.name(columns[0])}")
     if problems:
         raise FileError(path, "; ".join(dict.fromkeys(problems)))
-    return curve_of_columns(table, columns, given)
-
-
-def curve_of_columns(
-    table: NumberTable, columns: list[int], units: Sequence[str] = ("", "")
-) -> MeasuredCurve:
-    """Return the curve of two columns, given by index; empty units are those of the headings."""
-    path, problems, notes, taken = table.path, list[str](), list[str](), list[str]()
-    for column, unit in zip(columns, units, strict=True):
+    notes, taken = list[str](), list[str]()
+    for column, unit in zip(columns, given, strict=True):
         written = table.headings[column].unit if table.headings else ""
         name = table.name(column)
         taken.append(unit or written)
@@ -145,8 +141,10 @@ def curve_of_columns(
             problems.append(f'the unit of {name} must be given, as units="deg, N*mm"')
         elif dimension(unit or written) is None:
             problems.append(f"{name}: {_unknown(unit or written)}")
-        elif unit and written and not _same(written, unit):
-            notes.append(f"{name} has the heading unit {written}, but is read as {unit} as given")
+        elif unit and written:
+            alike = dimension(written) == dimension(unit) and conversion(written, unit) == 1.0
+            note = f"{name} has the heading unit {written}, but is read as {unit} as given"
+            notes += [] if alike else [note]
     if problems:
         raise FileError(path, "; ".join(problems))
     values = table.numbers(columns)
@@ -165,23 +163,9 @@ def curve_of_columns(
             notes=tuple(notes),
         )
     except _RunsBack as back:
-        problem = f"{back}; there in line {table.lines[back.row]}"
-        raise FileError(path, problem) from None
+        raise FileError(path, f"{back}; there in line {table.lines[back.row]}") from None
     except ValueError as problem:
         raise FileError(path, str(problem)) from None
-
-
-def _split_units(units: str | Sequence[str] | None) -> list[str]:
-    if units is None:
-        return ["", ""]
-    parts = [u.strip() for u in (units.split(",") if isinstance(units, str) else units)]
-    if len(parts) != 2:
-        raise ValueError(f'units must be two, of x and y, as "deg, N*mm", got {units!r}')
-    return parts
-
-
-def _same(written: str, unit: str) -> bool:
-    return dimension(written) == dimension(unit) and conversion(written, unit) == 1.0
 
 
 def _column(table: NumberTable, which: str | int | None, position: int, name: str) -> int:
@@ -239,8 +223,7 @@ def _in_order(x: Floats, y: Floats) -> tuple[Floats, Floats, list[str]]:
     if reach == 0.0:
         raise ValueError(f"the coordinate must increase, but all {n} points are at {x[0]:g}")
     # the way that most rows go; one row that leaps does not turn it
-    falling = bool(np.sign(np.diff(x)).sum() < 0.0)
-    if falling:
+    if falling := bool(np.sign(np.diff(x)).sum() < 0.0):
         notes.append("the coordinate decreases: the order of the points was reversed")
         x, y = x[::-1], y[::-1]
     behind = np.maximum.accumulate(x) - x

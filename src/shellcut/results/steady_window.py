@@ -38,7 +38,7 @@ from shellcut.arrays import Bools, Floats, Ints
 from shellcut.unit import with_unit
 
 from .energy_account import CABLES, driving_work, growth_shares
-from .steady_mean import LEAST, Change, change_in, mean_of, n_cosine
+from .steady_mean import LEAST, change_in, mean_of, n_cosine
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -184,39 +184,30 @@ def _tested(
         )
     if not x[last] > x[first]:
         raise _NoWindow("the tool does not move along the film")
-    change = change_in(way[rows], _resistance_sum(history)[rows], pieces)
+    sums = (history.get(f"{figure}{INTEGRAL}") for figure in ("torque", "force"))
+    work = next((column for column in sums if column is not None), driving_work(history))
+    change = change_in(way[rows], work[rows], pieces)
     if change is None:
         return SteadyWindow(float(x[first]), float(x[last]), first, last, pieces)
     later = max(cut.after_zone(first) for cut in cuts)
     if from_start and change.at is not None and later < last and change.at <= way[later]:
         with suppress(_NoWindow):
             return _tested(history, coordinate, cuts, later, last, from_start=False)
-    raise _NoWindow(_not_steady(change, coordinate, float(x[first]), float(x[last])))
-
-
-def _not_steady(change: Change, coordinate: tuple[str, str], low: float, high: float) -> str:
-    """Return in words how torque or force changes between two places."""
-    turns = coordinate[1] == "deg"
-    figure, unit = ("torque", "N*mm") if turns else ("force", "N")
-    before, after = (with_unit(level, unit) for level in (change.before, change.after))
-    start, end = (with_unit(place, coordinate[1]) for place in (low, high))
+    turns = unit == "deg"
+    figure, of_figure = ("torque", "N*mm") if turns else ("force", "N")
+    before, after = (with_unit(level, of_figure) for level in (change.before, change.after))
+    start, end = (with_unit(float(x[row]), unit) for row in (first, last))
     if change.at is None:
-        return f"the {figure} drifts from {before} at {start} to {after} at {end}"
-    at = with_unit(float(np.degrees(change.at)) if turns else change.at, coordinate[1])
-    first, then = f"{before} from {start} on", f"{after} to {end}"
-    return f"the {figure} jumps at {at}: its mean is {first}, then {then}"
+        raise _NoWindow(f"the {figure} drifts from {before} at {start} to {after} at {end}")
+    at = with_unit(float(np.degrees(change.at)) if turns else change.at, unit)
+    means = f"its mean is {before} from {start} on, then {after} to {end}"
+    raise _NoWindow(f"the {figure} jumps at {at}: {means}")
 
 
 def _way(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> Floats:
     """Return the coordinate in rad or mm, shape (n_row,)."""
     x = history[coordinate[0]]
     return np.radians(x) if coordinate[1] == "deg" else x
-
-
-def _resistance_sum(history: Mapping[str, Floats]) -> Floats:
-    """Return the integral of torque or force over the path, shape (n_row,)."""
-    sums = [history[one + INTEGRAL] for one in ("torque", "force") if one + INTEGRAL in history]
-    return sums[0] if sums else driving_work(history)
 
 
 def _within(x: Floats, between: Range | None) -> Bools:
@@ -234,10 +225,16 @@ def _cut(
     renewed = np.all([cut.renewed for cut in cuts], axis=0)
     free = np.all([cut.free for cut in cuts], axis=0)
     cutting = np.all([cut.cutting(x) for cut in cuts], axis=0)
-    good = renewed & free & cutting & _up_to_speed(x, time) & _within(x, between)
-    first, last = _longest(x, good)
-    if first < 0:
+    speed = np.append(0.0, np.diff(x) / np.diff(time))
+    usual = np.median(speed[speed > 0.0]) if (speed > 0.0).any() else np.inf
+    up_to_speed = np.maximum.accumulate(speed) >= _UP_TO_SPEED * usual
+    good = renewed & free & cutting & up_to_speed & _within(x, between)
+    change = np.diff(good.astype(int), prepend=0, append=0)
+    begins, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1) - 1
+    if not begins.size:
         raise _NoWindow(_why_none(cuts, x, unit, renewed, free))
+    longest = int(np.argmax(x[ends] - x[begins]))
+    first, last = int(begins[longest]), int(ends[longest])
     if between is None:
         within = [c.joints[(c.joints >= first) & (c.joints <= last)] for c in cuts]
         joints = min(within, key=lambda one: one[:1].tolist() or [last + 1])
@@ -342,24 +339,6 @@ def _cuts(history: Mapping[str, Floats]) -> list[_Cut]:
         ahead, spare = history[UNCUT_AHEAD + edge], history[TO_SPARE + edge]
         cuts.append(_Cut(int(edge), length, ahead, spare, zone))
     return cuts
-
-
-def _up_to_speed(x: Floats, time: Floats) -> Bools:
-    """Return the rows after the start-up ramp."""
-    speed = np.append(0.0, np.diff(x) / np.diff(time))
-    moving = speed[speed > 0.0]
-    usual = np.median(moving) if moving.size else np.inf
-    return np.asarray(np.maximum.accumulate(speed) >= _UP_TO_SPEED * usual)
-
-
-def _longest(x: Floats, good: Bools) -> tuple[int, int]:
-    """Return the first and last row of the longest stretch, -1 if there is none."""
-    change = np.diff(good.astype(int), prepend=0, append=0)
-    begins, ends = np.flatnonzero(change == 1), np.flatnonzero(change == -1) - 1
-    if not begins.size:
-        return -1, -1
-    k = int(np.argmax(x[ends] - x[begins]))
-    return int(begins[k]), int(ends[k])
 
 
 def _why_none(cuts: list[_Cut], x: Floats, unit: str, renewed: Bools, free: Bools) -> str:

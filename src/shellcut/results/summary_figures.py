@@ -17,8 +17,10 @@ from .steady_window import half_width_of
 from .verdict import distrusted_figures
 
 # The end of a name gives the unit; longer ones first.
-_UNITS = {"ns_per_quad_step": "ns", "_N_per_mm": "N/mm", "_Nmm": "N·mm", "_deg": "°"}
-_UNITS |= {"_mm2": "mm^2", "_mm": "mm", "_N": "N", "_s": "s"}
+_UNITS = {
+    **{"ns_per_quad_step": "ns", "_N_per_mm": "N/mm", "_Nmm": "N·mm", "_deg": "°"},
+    **{"_mm2": "mm^2", "_mm": "mm", "_N": "N", "_s": "s"},
+}
 
 _STEADY = " over {window}"
 """Placeholder for the steady window in a label."""
@@ -89,14 +91,16 @@ LABELS = {
 """Label of each value, in the order shown; the unit is in its name."""
 
 # Figures that the report judges or shows elsewhere on the page.
-_ELSEWHERE = {"imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"}
-_ELSEWHERE |= {f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)}
-_ELSEWHERE |= {"overshoot_rel", "n_split_off_path", "off_path_mm"}
-_ELSEWHERE |= {growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)}
-_ELSEWHERE |= {"piercing_delay_rel", "crack_lead_mm", "share_done", "options"}
-_ELSEWHERE |= {"film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"}
-_ELSEWHERE |= {f"loose_{axis}_mm" for axis in "xyz"}
-_ELSEWHERE |= {f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")}
+_ELSEWHERE = {
+    *("imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"),
+    *(f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)),
+    *("overshoot_rel", "n_split_off_path", "off_path_mm"),
+    *(growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)),
+    *("piercing_delay_rel", "crack_lead_mm", "share_done", "options"),
+    *("film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"),
+    *(f"loose_{axis}_mm" for axis in "xyz"),
+    *(f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")),
+}
 
 _OF_TEETH = tuple(f"piercing_{one}" for one in ("force_1_N", "depth_1_mm", "work_1_Nmm"))
 

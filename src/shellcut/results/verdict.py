@@ -126,10 +126,8 @@ _REMEDIES: dict[str, tuple[str, Callable[[Figures], bool]]] = {
     "smaller fixed step": ("a smaller time.fixed", lambda o: o["fixed_step"]),
 }
 """Words of each remedy, and whether a run with these values and options could still take it."""
-_SLOWER = "slower", "smaller share"
-"""Of which one is left."""
-_SMALLER_STEP = "smaller step", "smaller fixed step"
-"""Of which one is left."""
+_SLOWER, _SMALLER_STEP = ("slower", "smaller share"), ("smaller step", "smaller fixed step")
+"""Of each pair one is left."""
 
 
 def _remedies(figures: Figures, *names: str) -> str:
@@ -188,169 +186,153 @@ def is_of_a_tool(figures: Figures) -> bool:
     return "tool_work_Nmm" in figures or "deepest_penetration_mm" in figures
 
 
-def _ledger(figures: Figures) -> Iterator[Line]:
-    if "imbalance_rel" not in figures:
-        return
-    missed = figures["imbalance_rel"]
-    yield _judged(
-        abs(missed) <= IMBALANCE_LIMIT,
-        "The energies balance",
-        "No force or energy of this run can be trusted, because the energies do not balance",
-        f"the error is at most {_of_work(figures, missed, IMBALANCE_LIMIT)}",
-        _percent(IMBALANCE_LIMIT),
-        _remedies(figures, *_SMALLER_STEP),
-    )
-
-
 def _not_come_far(figures: Figures) -> bool:
     """Whether a run was stopped before any cable broke: the first touch is all vibration."""
     stopped = figures.get("share_done", 1.0) < 1.0
     return bool(stopped and figures.get("n_cable_broken", 1) == 0)
 
 
-def _stopped(figures: Figures) -> Iterator[Line]:
-    share = figures.get("share_done", 1.0)
-    if share >= 1.0:
-        return
-    at = f"{_percent(share)} of its time"
-    if figures.get("broke_off", False):
-        yield Line(
-            "doubt",
-            f"The run failed within a step, at {at}: these lines are about the results before; "
-            "the message at its end gives the reason.",
+def _energies(figures: Figures) -> Iterator[Line]:
+    """Yield whether the run came to its end, and whether its energies balance."""
+    if (share := figures.get("share_done", 1.0)) < 1.0:
+        at = f"{_percent(share)} of its time"
+        if figures.get("broke_off", False):
+            yield Line(
+                "doubt",
+                f"The run failed within a step, at {at}: these lines are about the results before; "
+                "the message at its end gives the reason.",
+            )
+        else:
+            yield Line(
+                "note", f"The run was stopped at {at}: these lines are about its results so far."
+            )
+        if _not_come_far(figures):
+            yield Line(
+                "note",
+                "No cable had broken by then, so kinetic energy and damping are not judged.",
+            )
+    if "imbalance_rel" in figures:
+        missed = figures["imbalance_rel"]
+        yield _judged(
+            abs(missed) <= IMBALANCE_LIMIT,
+            "The energies balance",
+            "No force or energy of this run can be trusted, because the energies do not balance",
+            f"the error is at most {_of_work(figures, missed, IMBALANCE_LIMIT)}",
+            _percent(IMBALANCE_LIMIT),
+            _remedies(figures, *_SMALLER_STEP),
         )
-    else:
-        yield Line(
-            "note", f"The run was stopped at {at}: these lines are about its results so far."
+
+
+def _speed(figures: Figures) -> Iterator[Line]:
+    """Yield whether inertia and damping change the results."""
+    judged = not _not_come_far(figures)
+    if "kinetic_rel" in figures and judged:
+        kinetic = figures["kinetic_rel"]
+        most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
+        bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
+        if figures.get("options", {}).get("unheld"):
+            bad, remedy = "The film, or a piece of it, is not supported, so that its inertia", ""
+        yield _judged(
+            abs(kinetic) <= most,
+            "The motion is slow enough",
+            f"{bad} carries part of the load",
+            f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
+            _percent(most),
+            remedy,
         )
-    if _not_come_far(figures):
-        yield Line(
-            "note", "No cable had broken by then, so kinetic energy and damping are not judged."
+    if "piercing_delay_rel" in figures:
+        delay = figures["piercing_delay_rel"]
+        # It had pressed for t + T, of which T is the delay: T / t goes with the square of the
+        # speed. A tenth more, because the depth at which the film carries F_p changes with the
+        # speed, too.
+        share, limit = (one / (1.0 - one) for one in (min(delay, 0.99), DELAY_LIMIT))
+        slower = math.ceil(11.0 * math.sqrt(share / limit)) / 10.0
+        yield _judged(
+            delay <= DELAY_LIMIT,
+            "Force and depth at the first piercing do not depend on impacts of the film's nodes",
+            "Depth and work at the first piercing are not those of a slow tip, because impacts of "
+            "the film's nodes are large",
+            "the force on a tip is averaged over a time that is up to "
+            f"{_percent(delay, DELAY_LIMIT)} of the time for which the tip pressed",
+            _percent(DELAY_LIMIT),
+            f" Use a motion that is {slower:.1f} times slower, or a finer film near the tips.",
         )
-
-
-def _inertia(figures: Figures) -> Iterator[Line]:
-    if "kinetic_rel" not in figures or _not_come_far(figures):
-        return
-    kinetic = figures["kinetic_rel"]
-    most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
-    bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
-    if figures.get("options", {}).get("unheld"):
-        bad, remedy = "The film, or a piece of it, is not supported, so that its inertia", ""
-    yield _judged(
-        abs(kinetic) <= most,
-        "The motion is slow enough",
-        f"{bad} carries part of the load",
-        f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
-        _percent(most),
-        remedy,
-    )
-
-
-def _piercing(figures: Figures) -> Iterator[Line]:
-    if "piercing_delay_rel" not in figures:
-        return
-    delay = figures["piercing_delay_rel"]
-    # It had pressed for t + T, of which T is the delay: T / t goes with the square of the speed. A
-    # tenth more, because the depth at which the film carries F_p changes with the speed, too.
-    share, limit = (one / (1.0 - one) for one in (min(delay, 0.99), DELAY_LIMIT))
-    slower = math.ceil(11.0 * math.sqrt(share / limit)) / 10.0
-    yield _judged(
-        delay <= DELAY_LIMIT,
-        "Force and depth at the first piercing do not depend on impacts of the film's nodes",
-        "Depth and work at the first piercing are not those of a slow tip, because impacts of the "
-        "film's nodes are large",
-        "the force on a tip is averaged over a time that is up to "
-        f"{_percent(delay, DELAY_LIMIT)} of the time for which the tip pressed",
-        _percent(DELAY_LIMIT),
-        f" Use a motion that is {slower:.1f} times slower, or a finer film near the tips.",
-    )
-
-
-def _damping(figures: Figures) -> Iterator[Line]:
     damping = _share_of_work(figures, "damping_Nmm")
-    if damping is None or _not_come_far(figures):
-        return
-    yield _judged(
-        abs(damping) <= DAMPING_LIMIT,
-        "Damping is small",
-        "Force or torque is too high by the work of damping, because film springs open",
-        _of_work(figures, damping, DAMPING_LIMIT),
-        _percent(DAMPING_LIMIT),
-        _remedies(figures, "shorter sides", *_SLOWER, "damping"),
-    )
+    if damping is not None and judged:
+        yield _judged(
+            abs(damping) <= DAMPING_LIMIT,
+            "Damping is small",
+            "Force or torque is too high by the work of damping, because film springs open",
+            _of_work(figures, damping, DAMPING_LIMIT),
+            _percent(DAMPING_LIMIT),
+            _remedies(figures, "shorter sides", *_SLOWER, "damping"),
+        )
 
 
 def _contact(figures: Figures) -> Iterator[Line]:
+    """Yield what contact took of the work, with the tool and of the film with itself."""
     contact = _share_of_work(figures, "contact_Nmm")
-    if contact is None or not is_of_a_tool(figures):
-        return
-    held, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
-    did, limit, cures = "took", CONTACT_LIMIT, ["finer", *_SMALLER_STEP]
-    bad = "Contact loses too much energy where film hits the tool or springs off it"
-    if contact < 0.0:
-        did, limit = "gave the film", GIVEN_LIMIT
-        bad = "Contact creates energy, because film hit the tool too fast for the time step"
-    elif held > lost:
-        bad = "Contact stores too much energy in its springs, because film presses hard on the tool"
-        cures = ["finer", "penalty"]
-    yield _judged(
-        abs(contact) <= limit,
-        "Contact takes little work",
-        bad,
-        f"it {did} {_of_work(figures, abs(contact), limit)}, friction not counted",
-        _percent(limit),
-        _remedies(figures, *cures),
-    )
-
-
-def _self_contact(figures: Figures) -> Iterator[Line]:
+    if contact is not None and is_of_a_tool(figures):
+        held, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
+        did, limit, cures = "took", CONTACT_LIMIT, ["finer", *_SMALLER_STEP]
+        bad = "Contact loses too much energy where film hits the tool or springs off it"
+        if contact < 0.0:
+            did, limit = "gave the film", GIVEN_LIMIT
+            bad = "Contact creates energy, because film hit the tool too fast for the time step"
+        elif held > lost:
+            cures = ["finer", "penalty"]
+            bad = (
+                "Contact stores too much energy in its springs, because film presses hard on the "
+                "tool"
+            )
+        yield _judged(
+            abs(contact) <= limit,
+            "Contact takes little work",
+            bad,
+            f"it {did} {_of_work(figures, abs(contact), limit)}, friction not counted",
+            _percent(limit),
+            _remedies(figures, *cures),
+        )
     lost = _share_of_work(figures, "self_contact_lost_Nmm")
-    if lost is None or "self_contact_Nmm" not in figures:
-        return
-    did = "lost" if lost >= 0.0 else "gave the film"
-    yield _judged(
-        abs(lost) <= GIVEN_LIMIT,
-        "Parts of the film meet slowly enough",
-        "Parts of the film hit each other too fast for the time step",
-        f"their contact {did} {_of_work(figures, abs(lost), GIVEN_LIMIT)}",
-        _percent(GIVEN_LIMIT),
-        _remedies(figures, *_SMALLER_STEP),
+    if lost is not None and "self_contact_Nmm" in figures:
+        did = "lost" if lost >= 0.0 else "gave the film"
+        yield _judged(
+            abs(lost) <= GIVEN_LIMIT,
+            "Parts of the film meet slowly enough",
+            "Parts of the film hit each other too fast for the time step",
+            f"their contact {did} {_of_work(figures, abs(lost), GIVEN_LIMIT)}",
+            _percent(GIVEN_LIMIT),
+            _remedies(figures, *_SMALLER_STEP),
+        )
+
+
+def _depths(figures: Figures) -> Iterator[Line]:
+    """Yield how deep the tool is in nodes, quads and edges of the film."""
+    touched = not never_touched(figures)
+    depth, half = (
+        figures.get(f"{name}_mm") for name in ("deepest_penetration", "tool_half_thickness")
     )
-
-
-def _penetration(figures: Figures) -> Iterator[Line]:
-    depth = figures.get("deepest_penetration_mm")
-    half = figures.get("tool_half_thickness_mm")
-    if depth is None or half is None or never_touched(figures):
-        return
-    limit = PENETRATION_LIMIT * half
-    yield _judged(
-        depth <= limit,
-        "The tool pushes the film aside by its full thickness",
-        "The tool pushes the film aside by less than its thickness",
-        f"nodes of the film are up to {_beside(depth, limit)} mm deep in the tool",
-        f"{limit:.3g} mm, a quarter of {half:.3g} mm, the tool's volume over its surface",
-        _remedies(figures, "finer", "penalty"),
-    )
-
-
-def _unfelt(figures: Figures) -> Iterator[Line]:
-    if not {"unfelt_penetration_mm", "edge_length_mm"} <= figures.keys() or never_touched(figures):
-        return
-    depth = figures["unfelt_penetration_mm"]
-    limit = UNFELT_LIMIT * figures["edge_length_mm"]
-    yield _judged(
-        abs(depth) <= limit,
-        "The film resists the tool between its nodes, too",
-        "The film does not resist the tool between its nodes",
-        f"the tool is up to {_beside(depth, limit)} mm deep in quads where no node feels it",
-        f"{limit:.3g} mm, half the side of a quad",
-        _remedies(figures, "finer"),
-    )
-
-
-def _unfelt_edges(figures: Figures) -> Iterator[Line]:
+    if depth is not None and half is not None and touched:
+        limit = PENETRATION_LIMIT * half
+        yield _judged(
+            depth <= limit,
+            "The tool pushes the film aside by its full thickness",
+            "The tool pushes the film aside by less than its thickness",
+            f"nodes of the film are up to {_beside(depth, limit)} mm deep in the tool",
+            f"{limit:.3g} mm, a quarter of {half:.3g} mm, the tool's volume over its surface",
+            _remedies(figures, "finer", "penalty"),
+        )
+    depth, side = (figures.get(f"{name}_mm") for name in ("unfelt_penetration", "edge_length"))
+    if depth is not None and side is not None and touched:
+        limit = UNFELT_LIMIT * side
+        yield _judged(
+            abs(depth) <= limit,
+            "The film resists the tool between its nodes, too",
+            "The film does not resist the tool between its nodes",
+            f"the tool is up to {_beside(depth, limit)} mm deep in quads where no node feels it",
+            f"{limit:.3g} mm, half the side of a quad",
+            _remedies(figures, "finer"),
+        )
     depth = figures.get("unfelt_film_edge_mm", 0.0)
     limit = figures.get("film_half_thickness_mm", float("nan"))
     if depth > limit:
@@ -363,7 +345,8 @@ def _unfelt_edges(figures: Figures) -> Iterator[Line]:
         )
 
 
-def _stiff_flanks(figures: Figures) -> Iterator[Line]:
+def single_doubts(figures: Figures) -> Iterator[Line]:
+    """Yield the notes on single values that are doubtful, while the others may be right."""
     if distrusted_figures(figures):
         side, bent = figures["path_edge_mm"], figures["bending_length_mm"]
         yield Line(
@@ -375,11 +358,6 @@ def _stiff_flanks(figures: Figures) -> Iterator[Line]:
             "0.4 mm) the axial force is between -1.8 and 2.4 N, and the two differ by 0.1 to "
             "1.1 N. If you need this force, compare finer films (shellcut converge).",
         )
-
-
-def single_doubts(figures: Figures) -> list[Line]:
-    """Return the notes on single values that are doubtful, while the others may be right."""
-    return [*_stiff_flanks(figures)]
 
 
 def repeated_notes(figures: Figures) -> list[Line]:
@@ -398,16 +376,14 @@ def distrusted_figures(figures: Figures) -> tuple[str, ...]:
     return tuple(one for one in axial if presses and one in figures)
 
 
-def _nothing_cut(figures: Figures) -> Iterator[Line]:
+def _cut(figures: Figures) -> Iterator[Line]:
+    """Yield whether anything was cut, where, and whether the edge met its cables in time."""
     if figures.get("n_cable_created") == 0:
         why = "the tool never touched the film" if never_touched(figures) else "no cable was made"
         where = ""
         if is_of_a_tool(figures):
             where = " Use shellcut preview to see the path of the cutting edges."
         yield Line("doubt", f"Nothing was cut: {why}.{where}")
-
-
-def _off_path(figures: Figures) -> Iterator[Line]:
     n, off = figures.get("n_split", 0), figures.get("n_split_off_path", 0)
     torn, away = figures.get("n_tear", 0), figures.get("tear_off_path_mm")
     if torn:
@@ -420,36 +396,31 @@ def _off_path(figures: Figures) -> Iterator[Line]:
             f"{torn:,} of {n + torn:,} cuts are tears: there the film tore without a cutting "
             f"edge.{where} If you did not expect a tear, look at the pictures.",
         )
-    if not n:
-        return
-    far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
-    ahead = f", or straight ahead of it by up to {lead:.3g} mm" if lead else ""
-    others = " other than tears" if torn else ""
-    most, lie = ("up to", "beside it") if off else ("at most", f"away from it{ahead}")
-    yield _judged(
-        off == 0,
-        "The cracks follow the path of the cutting edges",
-        "Cracks left the path of the cutting edges; the crack map shows where",
-        f"{off or n:,} of {n:,} splits{others} are {most} {far:.3g} mm {lie}",
-        "a fifth of the side of a quad",
-        _remedies(figures, "through quads"),
-    )
-
-
-def _overshoot(figures: Figures) -> Iterator[Line]:
-    if "overshoot_rel" not in figures:
-        return
-    missed = figures["overshoot_rel"]
-    yield _judged(
-        missed <= OVERSHOOT_LIMIT,
-        "The cutting edge meets its cables in time",
-        "Force or torque is too low, because the cutting edge meets its cables late: it is too "
-        "fast, or does not move where it points",
-        f"it meets them after {_percent(missed, OVERSHOOT_LIMIT)} of the distance over which it "
-        "drags them",
-        _percent(OVERSHOOT_LIMIT),
-        _remedies(figures, "more checks", *_SLOWER),
-    )
+    if n:
+        far, lead = figures.get("off_path_mm", float("nan")), figures.get("crack_lead_mm", 0.0)
+        ahead = f", or straight ahead of it by up to {lead:.3g} mm" if lead else ""
+        others = " other than tears" if torn else ""
+        most, lie = ("up to", "beside it") if off else ("at most", f"away from it{ahead}")
+        yield _judged(
+            off == 0,
+            "The cracks follow the path of the cutting edges",
+            "Cracks left the path of the cutting edges; the crack map shows where",
+            f"{off or n:,} of {n:,} splits{others} are {most} {far:.3g} mm {lie}",
+            "a fifth of the side of a quad",
+            _remedies(figures, "through quads"),
+        )
+    if "overshoot_rel" in figures:
+        missed = figures["overshoot_rel"]
+        yield _judged(
+            missed <= OVERSHOOT_LIMIT,
+            "The cutting edge meets its cables in time",
+            "Force or torque is too low, because the cutting edge meets its cables late: it is too "
+            "fast, or does not move where it points",
+            f"it meets them after {_percent(missed, OVERSHOOT_LIMIT)} of the distance over which "
+            "it drags them",
+            _percent(OVERSHOOT_LIMIT),
+            _remedies(figures, "more checks", *_SLOWER),
+        )
 
 
 def _account(figures: Figures) -> Iterator[Line]:
@@ -553,20 +524,12 @@ def _rotary_inertia(figures: Figures) -> Iterator[Line]:
 
 
 _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
-    _stopped,
-    _ledger,
-    _inertia,
-    _piercing,
-    _damping,
+    _energies,
+    _speed,
     _contact,
-    _self_contact,
-    _penetration,
-    _unfelt,
-    _unfelt_edges,
-    _stiff_flanks,
-    _nothing_cut,
-    _off_path,
-    _overshoot,
+    _depths,
+    single_doubts,
+    _cut,
     _account,
     _window,
     _stored,

@@ -125,7 +125,15 @@ class VtkHdfWriter:
         if until is None:
             self._create_new()
         else:
-            self._open_old()
+            if not is_ours(self._file) or not all(n in self._file["VTKHDF"] for n in _COLUMNS):
+                raise ValueError(
+                    f"{self.path} was not written by shellcut, or by an older version; move it "
+                    "away or start anew"
+                )
+            self._root: Any = self._file["VTKHDF"]
+            self._columns = Columns(self._root)
+            self._beside = Columns(self._file[BESIDE])
+            self._series_names = tuple(self._root.get("FieldData", ()))
             self._drop_after(until)
         self._is_sound = True
 
@@ -144,27 +152,22 @@ class VtkHdfWriter:
         """
         self._target.check()
         with SignalsDeferred():
-            self._append(frame)
-
-    def _append(self, frame: Frame) -> None:
-        grid = grid_of(frame)
-        if not self._series_names:
-            self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
-        entry = self._append_cells(grid)
-        written = dict(self._cells_written)
-        point = self._columns.end("Points")
-        entry["PointOffsets"] = point
-        written["Points"] = self._columns.write("Points", point, grid.points)
-        for name, rows in grid.point_arrays.items():
-            written[name] = self._columns.write(f"PointData/{name}", point, rows)
-        cell = self._columns.end("CellData/part")
-        entry[_CELL_DATA_OFFSETS] = cell
-        for name, rows in grid.cell_arrays.items():
-            written[name] = self._columns.write(f"CellData/{name}", cell, rows)
-        self._append_row(frame, grid, entry, digest_of_arrays(written))
-        # The frame counts only once it is completely in the file.
-        self._file.flush()
-        self._count(self.n_frame + 1)
+            grid = grid_of(frame)
+            if not self._series_names:
+                self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
+            entry = self._append_cells(grid)
+            written = dict(self._cells_written)
+            entry["PointOffsets"] = point = self._columns.end("Points")
+            written["Points"] = self._columns.write("Points", point, grid.points)
+            entry[_CELL_DATA_OFFSETS] = cell = self._columns.end("CellData/part")
+            of_points, of_cells = grid.point_arrays, grid.cell_arrays
+            for of, at, arrays in (("Point", point, of_points), ("Cell", cell, of_cells)):
+                for name, rows in arrays.items():
+                    written[name] = self._columns.write(f"{of}Data/{name}", at, rows)
+            self._append_row(frame, grid, entry, digest_of_arrays(written))
+            # The frame counts only once it is completely in the file.
+            self._file.flush()
+            self._count(self.n_frame + 1)
 
     def sync(self) -> None:
         """Wait until all frames are on the disk."""
@@ -230,7 +233,7 @@ class VtkHdfWriter:
         self.n_frame = n_frame
 
     def _create_new(self) -> None:
-        self._root: Any = self._file.create_group("VTKHDF")
+        self._root = self._file.create_group("VTKHDF")
         self._root.attrs["Version"] = np.array(_VERSION)
         # VTK needs ASCII of fixed length here, which h5py does not write by default.
         kind = b"UnstructuredGrid"
@@ -269,17 +272,6 @@ class VtkHdfWriter:
             scalar_names=list(frame.scalars),
             scalar_units=[frame.scalar_units[name] for name in frame.scalars],
         )
-
-    def _open_old(self) -> None:
-        if not is_ours(self._file) or not all(name in self._file["VTKHDF"] for name in _COLUMNS):
-            raise ValueError(
-                f"{self.path} was not written by shellcut, or by an older version; move it away or "
-                "start anew"
-            )
-        self._root = self._file["VTKHDF"]
-        self._columns = Columns(self._root)
-        self._beside = Columns(self._file[BESIDE])
-        self._series_names = tuple(self._root.get("FieldData", ()))
 
     def _drop_after(self, until: float) -> None:
         columns = self._columns
@@ -331,6 +323,5 @@ class VtkHdfWriter:
 
 def is_ours(file: Any) -> bool:
     """Whether an open file was written by this class; an older one may lack some arrays."""
-    wanted = ["VTKHDF/Steps", "VTKHDF/CellData/part"]
-    wanted += [f"{BESIDE}/{name}" for name in ("counts", "pose", DIGESTS)]
-    return all(name in file for name in wanted)
+    of_vtk = ("VTKHDF/Steps", "VTKHDF/CellData/part")
+    return all(name in file for name in (*of_vtk, *(f"{BESIDE}/{name}" for name in _BESIDE)))

@@ -3,14 +3,13 @@
 May import ``results``, ``view`` and rows below.
 """
 
-from .page import Scene, ScenePage, packed_scene, scene_scripts, scene_style, spread, view_html
+from .page import Scene, ScenePage, packed_scene, scene_scripts, spread, view_html
 
 __all__ = [
     "Scene",
     "ScenePage",
     "packed_scene",
     "scene_scripts",
-    "scene_style",
     "spread",
     "view_html",
 ]

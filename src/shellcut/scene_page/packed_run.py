@@ -14,6 +14,7 @@ import json
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,17 +35,20 @@ Unsigned = npt.NDArray[Any]
 Rows = list[Any]
 """One array for each frame."""
 
-_NUMBERS: dict[str, Callable[[Frame], Any]] = {
-    "points": lambda frame: frame.points,
-    "cables": lambda frame: frame.cable_segments.reshape(-1, 6),
+_TABLES: dict[str, tuple[Callable[[Frame], Any], Any]] = {
+    "points": (lambda frame: frame.points, np.float32),
+    "cables": (lambda frame: frame.cable_segments.reshape(-1, 6), np.float32),
+    "quads": (lambda frame: frame.quads, np.int32),
+    "flanks": (lambda frame: frame.crack_edges.reshape(-1, 4), np.int32),
+    "states": (lambda frame: frame.cable_state[:, None], np.int32),
 }
-_IDS: dict[str, Callable[[Frame], Any]] = {
-    "quads": lambda frame: frame.quads,
-    "flanks": lambda frame: frame.crack_edges.reshape(-1, 4),
-    "states": lambda frame: frame.cable_state[:, None],
-}
+"""Tables of a frame besides its fields, and as what they are kept: numbers, or ids."""
 _CABLES = {"cable, straight": "straight", "cable, bent around the edge": "jointed"}
 """What these entries of the legend switch in ``scene.js``; the others switch their part."""
+
+
+def _column_of(field: Field, frame: Frame) -> Floats:
+    return field.values(frame)[:, None]
 
 
 def packed(
@@ -55,25 +59,26 @@ def packed(
     Frames are read one after the other; what the page shows of them is kept in single precision.
     """
     of_fields = {f"field-{k}": field for k, field in enumerate(fields)}
-    rows: dict[str, Rows] = {name: [] for name in (*_NUMBERS, *_IDS, *of_fields)}
+    made = _TABLES | {name: (partial(_column_of, f), np.float32) for name, f in of_fields.items()}
+    rows: dict[str, Rows] = {name: [] for name in made}
     frames, legend, tool = [], dict[str, dict[str, Any]](), dict[str, Any]()
     for number in numbers:
         frame = results.frame(number)
         pose = [*frame.tool_rotation.ravel().tolist(), *frame.tool_translation.tolist()]
         frames.append({"number": number, "caption": title_parts(frame), "pose": pose})
-        for name, table in _NUMBERS.items():
-            rows[name].append(table(frame).astype(np.float32))
-        for name, table in _IDS.items():
-            rows[name].append(table(frame).astype(np.int32))
-        for name, field in of_fields.items():
-            rows[name].append(field.values(frame).astype(np.float32)[:, None])
+        for name, (table, kind) in made.items():
+            rows[name].append(table(frame).astype(kind))
         for entry in legend_of([frame]):
             switch = _CABLES.get(entry.name, entry.part)
             part = {"part": entry.part, "switch": switch, "color": entry.color}
             legend[entry.name] = {"name": entry.name, "area": entry.is_area} | part
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
-    tables = {n: pack_ids(each) if n in _IDS else pack_numbers(each) for n, each in rows.items()}
+    packers: dict[Any, Callable[[Rows], PackedTable]] = {
+        np.int32: pack_ids,
+        np.float32: pack_numbers,
+    }
+    tables = {name: packers[made[name][1]](each) for name, each in rows.items()}
     described = {
         "name": results.name,
         "length": shown("mm"),

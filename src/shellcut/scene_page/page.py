@@ -112,7 +112,7 @@ def view_html(
     html = string.Template(part(_ROOM, "page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
-        style=part(_ROOM, "page.css") + scene_style(),
+        style=part(_ROOM, "page.css") + part(_ROOM, "scene.css"),
         scene=scene.html,
         scripts=scripts,
         footer=escape(
@@ -154,11 +154,6 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
     if n < len(wanted):
         dropped = f"all {len(wanted)} frames would need {_size(whole)}, the limit is {_size(room)}"
     return Scene(html, numbers, dropped)
-
-
-def scene_style() -> str:
-    """Return the style sheet of a scene."""
-    return part(_ROOM, "scene.css")
 
 
 @functools.cache

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ class CommonWindow:
 
     def __init__(self, folder_of: Callable[[int], Path]) -> None:
         self._folder_of = folder_of
-        self._found: dict[int, tuple[Range, dict[str, Any]]] = {}
+        self._figures = cache(self._read)
 
     def __call__(self, outcomes: Mapping[int, Outcome]) -> dict[int, Outcome]:
         """Return the outcomes of some runs with their means over the window that all have.
@@ -62,9 +63,7 @@ class CommonWindow:
             return {}, "the runs have none in common"
         found = {}
         for number in runs:
-            if number not in self._found or self._found[number][0] != between:
-                self._found[number] = between, self._read(number, between)
-            found[number] = self._found[number][1]
+            found[number] = self._figures(number, between)
             if why := found[number].get("no_window"):
                 common = SteadyWindow(*between).text(unit)
                 return {}, f"in that of all runs, {common}, run {number} has none, {why}"

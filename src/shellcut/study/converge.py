@@ -163,8 +163,8 @@ def companions_of(
     shape = model.head.imperfection
     if shape is None:
         shape = int("tool" in model.sections and model.sections["tool"].kind != "bar")
-    for k in (shape + 1, shape + 2):
-        runs[Run(f"shape {k}", CHANCE, 1.0)] = {"imperfection": k}
+    others = (shape + 1, shape + 2)
+    runs |= {Run(f"shape {k}", CHANCE, 1.0): {"imperfection": k} for k in others}
     places = {key: key.rpartition(".") for keys in runs.values() for key in keys}
     given: dict[str, object] = {
         key: (model.sections[title] if title else model.head).values[name]
@@ -271,21 +271,17 @@ def _slower(model: Model, times: float) -> Settings:
     limit, v = model.head.quasi_static, model.sections["motion"].values
     # A limit of the energy goes with the square of the speed, whatever moves.
     paced = {} if limit is None else {"quasi_static": limit / times**2}
-    if why := _why_fixed(model):
-        if not paced:
-            raise ValueError(f"{why}, so no run is slower")
+    changing = [one for several in model.lists.values() for one in several]
+    why = ""
+    if model.sections["motion"].kind == "table":
+        why = "the motion is a table of times"
+    elif any(one.values.get(name) for one in changing for name in ("ramp", "velocity", "spin")):
+        why = "loads or supports change in time"
+    elif any(one.values.get("rate") for one in model.titled().values()):
+        why = "the film's law depends on the rate"
+    if why and not paced:
+        raise ValueError(f"{why}, so no run is slower")
+    if why:
         return paced
     longer = {f"motion.{name}": v[name] * times for name in ("duration", "ramp") if v.get(name)}
     return paced | longer | ({"motion.speed": v["speed"] / times} if "speed" in v else {})
-
-
-def _why_fixed(model: Model) -> str:
-    """Return why the speed of a model cannot be another; "" if it can."""
-    if model.sections["motion"].kind == "table":
-        return "the motion is a table of times"
-    changing = [one for several in model.lists.values() for one in several]
-    if any(one.values.get(name) for one in changing for name in ("ramp", "velocity", "spin")):
-        return "loads or supports change in time"
-    if any(one.values.get("rate") for one in model.titled().values()):
-        return "the film's law depends on the rate"
-    return ""

@@ -54,8 +54,7 @@ class Design:
         """
         several: Iterable[Sequence[object]]
         if self.kind == "grid":
-            ranges = [f"{f.name} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]
-            if ranges:
+            if ranges := [f"{f.name} = {f.ends[0]:g}:{f.ends[1]:g}" for f in factors if f.ends]:
                 raise ValueError(
                     f"a grid takes lists of values, and {', '.join(ranges)} is a range: write the "
                     "values, or choose the design sobol or lhs with a number of runs"

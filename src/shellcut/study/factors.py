@@ -91,7 +91,12 @@ def factor(name: str, given: object) -> Factor:
     if len(keys) > 1:
         values = _groups(name, len(keys), given)
     elif isinstance(given, str):
-        _refuse_decimal_commas(name, given)
+        # only a number with a comma explains 0,05 or 1,5:2,5
+        comma = _RANGE.fullmatch(given.replace(",", ".")) if "," in given else None
+        if _DECIMAL_COMMA.fullmatch(given) or (comma and _numbers(name, comma[1], comma[2])):
+            raise ValueError(
+                f"{name}: the decimal sign is a point, a comma separates values, got {given}"
+            )
         if (found := _RANGE.fullmatch(given)) and (ends := _numbers(name, found[1], found[2])):
             low, high, unit = ends
             if not low < high:
@@ -104,8 +109,7 @@ def factor(name: str, given: object) -> Factor:
         values = [given]
     if not values:
         raise ValueError(f"{name} must have at least one value, got {given!r}")
-    repeated = [one for k, one in enumerate(values) if one in values[:k]]
-    if repeated:
+    if repeated := [one for k, one in enumerate(values) if one in values[:k]]:
         raise ValueError(f"{name} must have each value once, got {repeated[0]!r} twice")
     return Factor(keys, tuple(values))
 
@@ -162,16 +166,6 @@ def _numbers(key: str, first: str, last: str) -> tuple[float, float, str] | None
     if a[2] and a[2] != b[2]:
         raise ValueError(f"{key}: both ends of a range must have one unit, got {first}:{last}")
     return float(a[1]), float(b[1]), b[2]
-
-
-def _refuse_decimal_commas(key: str, given: str) -> None:
-    """Raise ValueError for a text that only a number with a comma explains: 0,05 or 1,5:2,5."""
-    ends = _RANGE.fullmatch(given.replace(",", ".")) if "," in given else None
-    is_range = ends is not None and _numbers(key, ends[1], ends[2]) is not None
-    if is_range or _DECIMAL_COMMA.fullmatch(given):
-        raise ValueError(
-            f"{key}: the decimal sign is a point, a comma separates values, got {given}"
-        )
 
 
 def _parts(text: str, between: str) -> list[str]:

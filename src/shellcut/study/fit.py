@@ -114,7 +114,15 @@ def fit(
     search = search or Search()
     factors, variants = sought(model, settings)
     parameters = FreeParameters(variants, factors, keep_energy=search.keep_energy)
-    _refuse_free_settings(curves, [one.key for one in parameters.all])
+    free = [one.key for one in parameters.all]
+    names = {name: key for key in free for name in (key, key.rpartition(".")[2])}
+    if problems := [
+        f"{names[key]} is fitted, so a curve must not set it, got {key} = {value}"
+        for curve in curves
+        for key, value in curve.settings.items()
+        if key in names
+    ]:
+        raise ValueError("\n".join(dict.fromkeys(problems)))
     least = len(parameters.varied) + 2
     if search.max_runs < least:
         raise ValueError(f"max_runs must be {least} or more with these keys, got {search.max_runs}")
@@ -139,19 +147,6 @@ def fit(
         found = result_of(runs, slopes, ended)
         found.write(folder)
     return found
-
-
-def _refuse_free_settings(curves: Sequence[FitCurve], free: Sequence[str]) -> None:
-    """Refuse a curve whose settings hold what is fitted."""
-    names = {name: key for key in free for name in (key, key.rpartition(".")[2])}
-    problems = {
-        f"{names[key]} is fitted, so a curve must not set it, got {key} = {value}": None
-        for curve in curves
-        for key, value in curve.settings.items()
-        if key in names
-    }
-    if problems:
-        raise ValueError("\n".join(problems))
 
 
 def _locally(runs: FitRuns, start: Floats | None = None) -> None:

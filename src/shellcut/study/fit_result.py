@@ -197,16 +197,15 @@ def _judged(
     """Return in words how far the data tell the parameters."""
     notes = []
     low, high = runs.parameters.bounds()
-    for k in range(best.size):
-        one = fitted[k]
-        for j in range(k):
-            if abs(correlation[j, k]) > _APART:
-                notes.append(
-                    f"the data cannot tell {fitted[j].key} and {one.key} apart (correlation "
-                    f"{correlation[j, k]:.3f}): a change of one is made up by the other, only a "
-                    "combination of both is determined; fix one of them, or add a curve on which "
-                    "they act differently"
-                )
+    for k, one in enumerate(fitted[: best.size]):
+        notes += [
+            f"the data cannot tell {fitted[j].key} and {one.key} apart (correlation "
+            f"{correlation[j, k]:.3f}): a change of one is made up by the other, only a "
+            "combination of both is determined; fix one of them, or add a curve on which "
+            "they act differently"
+            for j in range(k)
+            if abs(correlation[j, k]) > _APART
+        ]
         if not one.high < _WIDE * one.value:
             notes.append(
                 f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "

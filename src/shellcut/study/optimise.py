@@ -19,10 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
-from shellcut.model_file import Model
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import half_width_of
@@ -228,9 +227,8 @@ class Optimum:
             if state in states
         ]
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
-        name = label_of(self.figure)
-        unit = unit_of(self.figure)
-        return Diagram(n, curves, "number of the run", "", name, unit, zero=False, whole=True)
+        names = "number of the run", "", label_of(self.figure), unit_of(self.figure)
+        return Diagram(n, curves, *names, zero=False, whole=True)
 
 
 def optimise(
@@ -299,7 +297,8 @@ def optimise(
     >>> found.best.values  # doctest: +SKIP
     {'tool.half_thickness': 0.2213}
     """
-    optuna = _optuna()
+    optuna = optional("optuna", "a search for the best values needs Optuna", "optimise")
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
     if bool(minimise) == bool(maximise):
         raise ValueError("give either minimise or maximise, the name of a result")
     if max_runs < 2:
@@ -328,9 +327,8 @@ def optimise(
             for one, trial in zip(asked, done, strict=True):
                 one.set_constraint("limits", trial.missed)
                 one.set_constraint("doubts", 0.0 if allow_doubts else len(trial.doubts))
-                failed = trial.figure is None
                 value = None if trial.figure is None else sign * trial.figure
-                study.tell(one, value, optuna.trial.TrialState.FAIL if failed else None)
+                study.tell(one, value, optuna.trial.TrialState.FAIL if value is None else None)
             trials += done
         kept = tuple(subject_to)
         found = Optimum(wanted, sign, kept, tuple(trials), allow_doubts=allow_doubts)
@@ -342,25 +340,19 @@ def optimise(
                 several.append(found.second.values)
             try:
                 again: Sequence[Trial] = run(
-                    [{**v, **_further(confirm, variants.read(v))} for v in several]
+                    [
+                        {**v, **(finer_film(variants.read(v)) if confirm is None else confirm)}
+                        for v in several
+                    ]
                 )
                 again = _in_common(again, wanted) or again
-                found = replace(found, confirmed=tuple(again), where=_where(confirm))
+                keys = ", ".join(f"{key} = {value}" for key, value in (confirm or {}).items())
+                where = f"with {keys}" if keys else "on a finer film"
+                found = replace(found, confirmed=tuple(again), where=where)
             except NoFinerFilm as why:
                 found = replace(found, unconfirmed=str(why))
         found.write(folder)
     return found
-
-
-def _optuna() -> Any:
-    try:
-        import optuna
-    except ImportError:
-        raise ImportError(
-            f"a search for the best values needs Optuna: {pip_install('optimise')}"
-        ) from None
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    return optuna
 
 
 def _proposed(trial: Any, factors: Sequence[Factor]) -> dict[str, object]:
@@ -413,21 +405,8 @@ def _trial(
     for key, (_, sign, bound) in zip(keys, limits, strict=True):
         beyond = limited[key] - bound
         missed += {"<=": max(beyond, 0.0), ">=": max(-beyond, 0.0), "==": abs(beyond)}[sign]
-    spread = figures.get(half_width_of(sought))
-    figure = float(figures[sought])
+    figure, spread = float(figures[sought]), figures.get(half_width_of(sought))
     return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
-
-
-def _further(confirm: Mapping[str, object] | None, model: Model) -> Mapping[str, object]:
-    """Return the keys that confirm a model: those given, or those of a finer film."""
-    return finer_film(model) if confirm is None else confirm
-
-
-def _where(confirm: Mapping[str, object] | None) -> str:
-    """Return on what the runs that confirm a search run."""
-    if confirm is None:
-        return "on a finer film"
-    return "with " + ", ".join(f"{key} = {value}" for key, value in confirm.items())
 
 
 def _in_common(trials: Sequence[Trial], figure: str) -> tuple[Trial, ...]:

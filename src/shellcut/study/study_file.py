@@ -7,20 +7,18 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from shellcut.arguments import guess
-from shellcut.files.regular_file import read_regular
-from shellcut.files.text_content import in_one_form
 from shellcut.files.whole_file import write_text
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.forms import written
 from shellcut.model_file.key import Kind, keys_of
-from shellcut.model_file.reader import read_section
+from shellcut.model_file.reader import read_section, read_source
 from shellcut.model_file.schema import DRAFT, quantities, schema_of, settings
 from shellcut.model_file.section_table import ENTRY
-from shellcut.model_file.source import parse
 
 from .design import Design
 from .factors import Factor
@@ -28,7 +26,6 @@ from .plan import Definition, Plan
 
 STUDY = "study.toml"
 
-_LARGEST = 10_000_000  # bytes
 _SECTIONS = {"set": dict, "factors": dict, "design": dict, "model": str, "figures": list}
 _DESIGN = Kind("Which values go together.", keys_of(Design), Design)
 
@@ -36,16 +33,14 @@ _DESIGN = Kind("Which values go together.", keys_of(Design), Design)
 def is_study(path: str | os.PathLike[str]) -> bool:
     """Whether a file is a study rather than a model: it has factors."""
     try:
-        text = in_one_form(read_regular(Path(path), _LARGEST)).decode()
-        return "factors" in parse(text, str(path), Path()).values
-    except (OSError, ValueError):
+        return "factors" in read_source(path).values
+    except ModelFileError:
         return False
 
 
 def read_study(path: str | os.PathLike[str]) -> Definition:
     """Read a study file; ModelFileError tells all that is wrong with the file itself."""
-    text = in_one_form(read_regular(Path(path), _LARGEST)).decode()
-    source = parse(text, str(path), Path(path).resolve().parent)
+    source = read_source(path)
     values, problems = source.values, []
     for name, value in values.items():
         wanted = _SECTIONS.get(name)
@@ -113,13 +108,15 @@ def _keyed(schemas: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any
 
 def write_study(path: Path, planned: Plan) -> None:
     """Write the study file of a plan, from which the same runs follow."""
-    study = planned.definition
+    study, figures = planned.definition, planned.definition.figures
+    with suppress(ValueError):  # those of an earlier file at this place, if none are given
+        figures = figures or read_study(path).figures
     model = Path(study.model)
     lines = [
         "#:schema ./shellcut-study.schema.json",
         "# The study whose runs are beside this file: `shellcut sweep` finds them again by it.",
         f"model = {written(str(model.resolve()) if model.is_file() else study.model)}",
-        *_figures_line(path, planned),
+        *([f"figures = {written(list(figures))}"] if figures else []),
         "",
         "[set]",
         *(f"{written(key)} = {written(value)}" for key, value in study.settings.items()),
@@ -133,16 +130,6 @@ def write_study(path: Path, planned: Plan) -> None:
     if study.design.n is not None:
         lines += [f"n = {study.design.n}", f"seed = {study.design.seed}"]
     write_text(path, "\n".join(lines) + "\n")
-
-
-def _figures_line(path: Path, planned: Plan) -> list[str]:
-    """Return the line of the values, those of an earlier file at this place if none are given."""
-    figures = planned.definition.figures
-    try:
-        figures = figures or read_study(path).figures
-    except (OSError, ValueError):
-        return []
-    return [f"figures = {written(list(figures))}"] if figures else []
 
 
 def _values(factor: Factor) -> str:

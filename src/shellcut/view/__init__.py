@@ -3,7 +3,7 @@
 May import ``frame``, ``formats`` and rows below.
 """
 
-from ._figure import can_draw, new_figure, save
+from ._figure import add_lines, can_draw, new_figure, save
 from ._panel import edge_length, legend_of, mesh_edges, title_parts, tool_creases
 from .crack_map import draw_crack_map
 from .curves import Curve, Diagram, draw_curves
@@ -16,6 +16,7 @@ __all__ = [
     "Curve",
     "Diagram",
     "Look",
+    "add_lines",
     "can_draw",
     "draw_crack_map",
     "draw_curves",

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.files.whole_file import atomic_write
 
 
@@ -18,16 +18,18 @@ def can_draw() -> bool:
 
 def new_figure(size: tuple[float, float], dpi: float) -> Any:
     """Return an empty Matplotlib picture of ``size`` [inch] that draws off-screen (Agg)."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError(
-            f"pictures need Matplotlib, which is not installed: {pip_install('plot')}"
-        ) from error
-    figure = Figure(figsize=size, dpi=dpi, facecolor="white")
-    FigureCanvasAgg(figure)
+    needed = "pictures need Matplotlib, which is not installed"
+    of_figure = optional("matplotlib.figure", needed, "plot")
+    figure = of_figure.Figure(figsize=size, dpi=dpi, facecolor="white")
+    optional("matplotlib.backends.backend_agg", needed, "plot").FigureCanvasAgg(figure)
     return figure
+
+
+def add_lines(axes: Any, points: Any, *, kind: str = "LineCollection", **style: Any) -> Any:
+    """Add a collection of lines, or of another ``kind``, through points (n, n_point, 2)."""
+    import matplotlib.collections
+
+    return axes.add_collection(getattr(matplotlib.collections, kind)(list(points), **style))
 
 
 def save(figure: Any, path: str | os.PathLike[str]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -186,8 +186,8 @@ def edge_length(frame: Frame) -> float:
 def title_parts(frame: Frame) -> list[str]:
     """Return the title of a frame: coordinate, first scalar and time, with units."""
     parts = [f"{frame.coordinate_name} {with_unit(frame.coordinate, frame.coordinate_unit)}"]
-    for name in list(frame.scalars)[:1]:
-        parts.append(f"{name} {with_unit(frame.scalars[name], frame.scalar_units[name])}")
+    first = list(frame.scalars.items())[:1]
+    parts += [f"{name} {with_unit(value, frame.scalar_units[name])}" for name, value in first]
     return [*parts, f"time {1e3 * frame.time:.3f} ms"]
 
 
@@ -264,22 +264,25 @@ class Shown:
     is_area: bool = False
 
 
+_LEGEND: tuple[tuple[Shown, Callable[[Frame], Any]], ...] = (
+    (Shown("crack flank", "flanks", FLANK_COLOR), lambda f: len(f.crack_edges)),
+    (
+        Shown("cable, straight", "cables", CABLE_COLORS[STRAIGHT]),
+        lambda f: (f.cable_state == STRAIGHT).any(),
+    ),
+    (
+        Shown("cable, bent around the edge", "cables", CABLE_COLORS[JOINTED]),
+        lambda f: (f.cable_state == JOINTED).any(),
+    ),
+    (Shown("cutting edge", "edges", EDGE_COLOR), lambda f: len(f.edge_points)),
+    (Shown("tool", "tool", TOOL_COLOR, is_area=True), lambda f: len(f.tool_triangles)),
+)
+"""Entries of the legend, and whether a frame has such parts."""
+
+
 def legend_of(frames: Sequence[Frame]) -> list[Shown]:
     """Return the legend entries for the frames."""
-    found: list[Shown] = []
-    if any(len(f.crack_edges) for f in frames):
-        found.append(Shown("crack flank", "flanks", FLANK_COLOR))
-    for state, name in {
-        STRAIGHT: "cable, straight",
-        JOINTED: "cable, bent around the edge",
-    }.items():
-        if any((f.cable_state == state).any() for f in frames):
-            found.append(Shown(name, "cables", CABLE_COLORS[state]))
-    if any(len(f.edge_points) for f in frames):
-        found.append(Shown("cutting edge", "edges", EDGE_COLOR))
-    if any(len(f.tool_triangles) for f in frames):
-        found.append(Shown("tool", "tool", TOOL_COLOR, is_area=True))
-    return found
+    return [shown for shown, is_in in _LEGEND if any(map(is_in, frames))]
 
 
 def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +12,7 @@ from shellcut.arrays import Floats
 from shellcut.frame import Frame, sides_of
 from shellcut.unit import in_unit, shown, with_unit
 
-from ._figure import new_figure, save
+from ._figure import add_lines, new_figure, save
 
 _MESH_COLOR = "0.80"
 _RIM_COLOR = "0.35"
@@ -82,22 +81,44 @@ def draw_crack_map(
     axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
     # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
     edges, count = np.unique(np.sort(sides_of(last.quads), axis=1), axis=0, return_counts=True)
-    _add_lines(axes, flat[edges], colors=_MESH_COLOR, linewidths=0.4)
-    _add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
+    add_lines(axes, flat[edges], colors=_MESH_COLOR, linewidths=0.4)
+    add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
     for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
         axes.plot(
             *factor * way[:, ij].T, color=_PATH_COLOR, lw=1.0, ls="--", zorder=3.5, label=label
         )
     if before.any():
-        _add_lines(
+        add_lines(
             axes, factor * segments[before][..., ij], colors=_BEFORE_COLOR, label="open before"
         )
     scale = None
     if len(segments[~before]):
-        scale = _opened(axes, factor * segments[~before][..., ij], opened[~before], frames)
+        from matplotlib.colors import Normalize
+
+        _, along = shown(last.coordinate_unit)
+        scale = add_lines(
+            axes,
+            factor * segments[~before][..., ij],
+            cmap=_COLORMAP,
+            norm=Normalize(along * frames[0].coordinate, along * last.coordinate),
+            array=along * opened[~before],
+            linewidths=4.0,
+            capstyle="round",
+            zorder=3,
+        )
     for k, (kind, places) in enumerate((splits or {}).items()):
-        _mark(axes, factor * np.reshape(places, (-1, 3))[:, ij], f"split by {kind}", k)
+        at = factor * np.reshape(places, (-1, 3))[:, ij]
+        axes.plot(
+            *at.T,
+            _MARKERS[k % len(_MARKERS)],
+            ms=4.5,
+            mfc=("white", "#f4a259")[k % 2],
+            mec="black",
+            mew=0.8,
+            zorder=4,
+            label=f"split by {kind} ({len(at)})",
+        )
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
     axes.set_xlabel(in_unit("xyz"[i], unit))
@@ -141,44 +162,6 @@ def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
         if len(middles):
             opened[tree.query(middles)[1]] = frame.coordinate
     return segments, opened
-
-
-def _opened(axes: Any, segments: Floats, opened: Floats, frames: Sequence[Frame]) -> Any:
-    """Add segments coloured by when they opened; return their scale."""
-    from matplotlib.colors import Normalize
-
-    _, factor = shown(frames[0].coordinate_unit)
-    limits = Normalize(factor * frames[0].coordinate, factor * frames[-1].coordinate)
-    return _add_lines(
-        axes,
-        segments,
-        cmap=_COLORMAP,
-        norm=limits,
-        array=factor * opened,
-        linewidths=4.0,
-        capstyle="round",
-        zorder=3,
-    )
-
-
-def _add_lines(axes: Any, segments: Floats, **style: Any) -> Any:
-    from matplotlib.collections import LineCollection
-
-    return axes.add_collection(LineCollection(list(segments), **style))
-
-
-def _mark(axes: Any, at: Floats, what: str, k: int) -> None:
-    """Mark places, shape (n, 2), by the sign of a number."""
-    axes.plot(
-        *at.T,
-        _MARKERS[k % len(_MARKERS)],
-        ms=4.5,
-        mfc=("white", "#f4a259")[k % 2],
-        mec="black",
-        mew=0.8,
-        zorder=4,
-        label=f"{what} ({len(at)})",
-    )
 
 
 def plane_axes(reference: Floats) -> tuple[int, int, int]:

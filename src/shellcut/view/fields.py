@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -70,8 +71,12 @@ def fields_of(frame: Frame) -> dict[str, Field]:
     found = {field.name: field for field in _OF_ALL}
     for key in frame.quad_history:
         name, _, unit = key.removesuffix("]").partition(" [")
-        found[name] = Field(name, name, unit, "quad", _history(key))
+        found[name] = Field(name, name, unit, "quad", partial(_history, key))
     return {name: _shown(field) for name, field in found.items()}
+
+
+def _history(key: str, frame: Frame) -> Floats:
+    return frame.quad_history[key]
 
 
 def _shown(field: Field) -> Field:
@@ -136,7 +141,3 @@ def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]
     # The quotients are rounded first, so that 0.3 / 0.1 stays 3.
     first, last = np.floor(round(low / step, 6)), np.ceil(round(high / step, 6))
     return float(f"{first * step:.6g}") + 0.0, float(f"{last * step:.6g}") + 0.0
-
-
-def _history(key: str) -> Callable[[Frame], Floats]:
-    return lambda frame: frame.quad_history[key]

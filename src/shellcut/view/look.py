@@ -10,7 +10,7 @@ import numpy as np
 
 from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.frame import Frame
 
 from .fields import FIELDS, Field, field_limits, fields_of
@@ -86,13 +86,9 @@ class Look:
             at = np.linspace(0.0, len(stops) - 1.0, n)
             rgb = [np.interp(at, np.arange(len(stops)), column) for column in stops.T]
             return np.stack(rgb, axis=1)
-        try:
-            from matplotlib import colormaps
-        except ImportError as error:
-            raise ImportError(
-                f"the colour map {self.colormap!r} needs Matplotlib, which is not installed: "
-                f"{pip_install('plot')}; {_DEFAULT!r} does not"
-            ) from error
+        needed = f"the colour map {self.colormap!r} needs Matplotlib, which is not installed"
+        instead = f"; {_DEFAULT!r} does not"
+        colormaps = optional("matplotlib", needed, "plot", instead=instead).colormaps
         if self.colormap not in colormaps:
             raise ValueError(
                 f"colormap must be one of Matplotlib's, such as {_DEFAULT}, cividis, inferno, "

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shellcut.files.distribution import pip_install
+from shellcut.files.distribution import optional
 from shellcut.files.whole_file import atomic_write
 from shellcut.frame import Frame
 
@@ -109,17 +109,14 @@ def _write_mp4(path: Path, images: Iterator[Image], fps: float, size: tuple[int,
 
 
 def _ffmpeg() -> str:
+    needed = "an MP4 needs ffmpeg, which is not installed"
+    instead = "; a .webp or .gif needs nothing more"
     try:
-        import imageio_ffmpeg
-    except ImportError as error:
-        found = shutil.which("ffmpeg")
-        if found is None:
-            raise ImportError(
-                f"an MP4 needs ffmpeg, which is not installed: {pip_install('movie')}; "
-                "a .webp or .gif needs nothing more"
-            ) from error
-        return found
-    return str(imageio_ffmpeg.get_ffmpeg_exe())
+        return str(optional("imageio_ffmpeg", needed, "movie", instead=instead).get_ffmpeg_exe())
+    except ImportError:
+        if found := shutil.which("ffmpeg"):
+            return found
+        raise
 
 
 def _write_by_pillow(path: Path, images: Iterator[Image], fps: float, _: tuple[int, int]) -> None:

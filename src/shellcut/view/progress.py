@@ -66,7 +66,7 @@ class Progress:
     @property
     def wants(self) -> bool:
         """Whether an update would be drawn now; asking costs 0.3 us."""
-        return self._alive and (self._first is None or self._clock() >= self._due)
+        return self._alive and self._clock() >= self._due
 
     def update(self, share: float, *, step: int, **figures: float) -> None:
         """Show the share done and the values if a drawing is due (0.5 us otherwise).
@@ -75,13 +75,10 @@ class Progress:
         """
         if not self._alive or (self._shown is not None and step == self._shown[1]):
             return
-        now = self._clock()
-        if now < self._due and self._first is not None:
-            self._latest = share, step, figures
+        now, self._latest = self._clock(), (share, step, figures)
+        if now < self._due:
             return
-        if self._first is None:
-            self._first = now, share
-        self._latest = share, step, figures
+        self._first = self._first or (now, share)
         self._due = now + BAR_INTERVAL
         if self._bar is not None or share >= self._share_due:
             self._due, self._share_due = now + self._interval, share + LINE_SHARE
@@ -125,8 +122,7 @@ class Progress:
         assert self._latest is not None
         assert self._first is not None
         share, step, figures = self._latest
-        self._latest = None
-        now = self._clock()
+        now, self._latest = self._clock(), None
         began, start = self._first
         left, speeds = [], []
         if start < share < 1.0:
@@ -159,11 +155,8 @@ class Progress:
                 line += f": {said}"
             if self._log is not None:
                 self._log(line)
-            self._write(line)
-
-    def _write(self, text: str) -> None:
-        self._stream.write(f"{self._label}: {text}\n")
-        self._stream.flush()
+            self._stream.write(f"{self._label}: {line}\n")
+            self._stream.flush()
 
 
 def _bar_on(stream: TextIO) -> Any:

@@ -52,8 +52,7 @@ def curves(study: Study) -> str:
     if n_other:
         said.append(f"{counted(n_other, 'run')} with other columns left out.")
     rows = np.array([row for row, _ in found])
-    groups = [coloured_by(factor, rows) for factor in study.factors if factor.varies]
-    if groups:  # in the order of the legend
+    if groups := [coloured_by(factor, rows) for factor in study.factors if factor.varies]:
         order = np.argsort(groups[0].group, kind="stable")
         found = [found[k] for k in order]
         groups = [replace(one, group=one.group[order]) for one in groups]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from html import escape
 from pathlib import Path
 
@@ -103,17 +103,13 @@ def _sections(study: Study, out: Path) -> dict[str, str]:
         "Versions": versions,
     }
     sections = made(makers, problems)
-    sections[_STATE] = _state(study, problems)  # last, with the problems of the others
+    lost = (("doubt", "missing", problem) for problem in problems)
+    sections[_STATE] = sentences([*_said(study), *lost])  # last, with the problems of the others
     return sections
 
 
-def _state(study: Study, problems: Sequence[str]) -> str:
-    """Return what is done, what failed, and what the report cannot show."""
-    lost = (("doubt", "missing", problem) for problem in problems)
-    return sentences([*_said(study), *lost])
-
-
 def _said(study: Study) -> Iterator[tuple[str, str, str]]:
+    """Yield what is done, what failed, and what the report cannot show."""
     n, n_done = len(study.status), study.count("done")
     if failed := study.count("failed"):
         # The same reason names another folder in each run.
@@ -177,9 +173,8 @@ def _runs(study: Study, page: Path) -> str:
 
 
 def _row(study: Study, row: int, page: Path) -> str:
-    status, cells = study.status[row], []
-    for one in study.inputs:
-        cells.append(_cell(one.texts[row] if one.names else one.values[row]))
+    status = study.status[row]
+    cells = [_cell(one.texts[row] if one.names else one.values[row]) for one in study.inputs]
     cells += [_cell(figure.values[row]) for figure in study.figures]
     kind = {"failed": "bad", "done": "doubted" if study.doubted[row] else ""}.get(status, "waits")
     reason = f"<small>{escape(study.reasons[row])}</small>" if study.reasons[row] else ""

@@ -193,17 +193,11 @@ def _inputs(planned: Sequence[Factor], columns: Mapping[str, Sequence[str]]) -> 
         if all(number is not None for number in numbers):
             values = factor * np.array(numbers, float)
             ends = float(values.min()), float(values.max())
-            names: tuple[str, ...] = ()
             values = values[: len(texts)]
+            one = Studied(name=name, ends=ends, key=key, unit=unit, values=values, texts=texts)
         else:
-            names = tuple(dict.fromkeys((*probes, *texts)))
-            values = np.array([names.index(text) for text in texts], float)
-            ends = 0.0, len(names) - 1.0
-        found.append(
-            Studied(
-                name=name, ends=ends, names=names, key=key, unit=unit, values=values, texts=texts
-            )
-        )
+            one = _of_names(name, key, unit, texts, (*probes, *texts))
+        found.append(one)
     return tuple(found)
 
 
@@ -228,12 +222,20 @@ def _as_one(inputs: Sequence[Studied]) -> Studied:
     first = inputs[0]
     key, name = ", ".join(one.key for one in inputs), " and ".join(one.name for one in inputs)
     texts = tuple(", ".join(each) for each in zip(*(one.shown for one in inputs), strict=True))
-    names = tuple(dict.fromkeys(texts))
-    if not first.names and len(np.unique(first.values)) == len(names):
+    if not first.names and len(np.unique(first.values)) == len(set(texts)):
         return replace(first, key=key, name=name)
+    return _of_names(name, key, "", texts, texts)
+
+
+def _of_names(
+    name: str, key: str, unit: str, texts: tuple[str, ...], every: Sequence[str]
+) -> Studied:
+    names = tuple(dict.fromkeys(every))
     values = np.array([names.index(text) for text in texts], float)
     ends = 0.0, len(names) - 1.0
-    return Studied(name=name, ends=ends, names=names, key=key, unit="", values=values, texts=texts)
+    return Studied(
+        name=name, ends=ends, names=names, key=key, unit=unit, values=values, texts=texts
+    )
 
 
 def _number(text: str, unit: str) -> float | None:
