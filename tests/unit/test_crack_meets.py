@@ -90,16 +90,28 @@ def test_a_crack_along_sides_is_closed_at_its_tip_whichever_corners_come_first()
     np.testing.assert_allclose(places[0], places[1], atol=1e-12)
 
 
-def test_a_crack_at_another_one_continues_from_its_far_flank_and_ends_at_a_tip_there():
+def slit(beyond):
+    """A strip with a slit across y = 0, where that is, and a crack led ``beyond`` it."""
     sim = cut_strip(mesh=slanted_strip(), notched=False)
-    free, x = sim.cracks, start_of(sim) + 1.9
+    x = start_of(sim) + 1.9
     sim.notch((x, -2.0, 0.0), (x, 1.0, 0.0))
-    free.tips.clear()
-    sim.notch((x - 3.0, 0.01, 0.0), (x - 0.01, 0.01, 0.0))
+    sim.cracks.tips.clear()
+    sim.notch((x - 3.0, 0.01, 0.0), (x + beyond, 0.01, 0.0))
+    return sim, x
+
+
+def test_a_crack_that_has_come_to_another_goes_on_from_its_other_flank():
+    sim, x = slit(0.01)
+    ((there, *_),) = sim.cracks.at_tips(sim.state.node.X)
+    assert there > x
+
+
+def test_two_tips_at_one_place_on_a_slit_are_none_any_more():
+    """The second crack comes from the other side to where the first waits on the far flank."""
+    sim, x = slit(-0.01)
+    free = sim.cracks
     (waiting,), (there,) = free.tips, free.at_tips(sim.state.node.X)
     assert waiting.flank is not None
-    assert there[0] > x
-    # A crack from the other side to where the first waits: two tips at one place are none.
     sim.notch((x + 5.1, there[1], 0.0), (there[0] - 0.5, there[1], 0.0))
     assert not free.tips
 

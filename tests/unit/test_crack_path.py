@@ -96,7 +96,8 @@ def test_start_and_summary_say_which_way_cracks_go(path, tmp_path):
     assert sim.inputs["fracture"] == sim.fracture == Fracture(path=path)
     said = "\n".join(start_lines(sim, resistance_of(sim, 1e-4), 1e-4))
     assert ("\ncracks through the quads of the mesh" in f"\n{said}") == (path == "free")
-    recorder = Recorder(sim, tmp_path, until=1e-6, n_snapshot=0, n_frame=2, progress=False)
+    options = {"n_snapshot": 0, "n_frame": 2, "progress": False}
+    recorder = Recorder(sim, tmp_path, until=1e-6, name="cut", **options)
     sim.run(1e-6, [recorder])
     assert sc.read(tmp_path).summary["crack_path"] == path
 

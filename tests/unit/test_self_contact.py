@@ -134,15 +134,15 @@ def test_single_points_feel_what_a_plate_with_flat_edges_exerts():
 
 
 @pytest.mark.parametrize(
-    ("gap", "velocity", "steps"),
-    [((0.13, 0.07, 0.4), (0.0, 0.0, 3000.0), 700), ((3.0, 0.1, 0.01), (3000.0, 0.0, 0.0), 700)],
+    ("gap", "velocity"),
+    [((0.13, 0.07, 0.4), (0.0, 0.0, 3000.0)), ((3.0, 0.1, 0.01), (3000.0, 0.0, 0.0))],
     ids=["face to face", "edge to edge"],
 )
-def test_pieces_thrown_at_each_other_keep_momentum_and_energy(gap, velocity, steps):
+def test_pieces_thrown_at_each_other_keep_momentum_and_energy(gap, velocity):
     sim = thrown(gap, velocity)
     before, energy = momenta(sim), sim.ledger.initial
     touched = 0
-    for _ in range(steps):
+    for _ in range(700):
         sim.step()
         touched += sim.self_contact.forces.n_touching > 0
     assert touched > 10
@@ -162,7 +162,7 @@ def test_pieces_thrown_at_each_other_keep_momentum_and_energy(gap, velocity, ste
         np.testing.assert_allclose(now, then, atol=1e-13 * 3.0 * scale)  # round-off
 
 
-def folded(on, **options):
+def folded(on):
     """A tongue, cut free on three sides, swings round its hinge onto the sheet."""
     size, h = 0.25, 0.02
     mesh = rectangle(6.0, 3.0, size=size)
@@ -185,7 +185,6 @@ def folded(on, **options):
         supports=[sc.Support.clamped(rim)],
         contact=ON if on else None,
         velocity=v,
-        **options,
     )
     return sim, tongue
 
@@ -243,21 +242,19 @@ def test_a_small_piece_that_flies_onto_a_large_quad_does_not_pass():
 
 @pytest.mark.parametrize("path", ["edges", "free"])
 def test_flanks_born_together_do_not_lock(path):
-    force, looked = {}, {}
+    work = []
     for on in (False, True):
         options = {"contact": sc.Contact(self_contact=on), "fracture": sc.Fracture(path=path)}
-        case = sc.guillotine(0.8, length=9.6, width=6.4, **options)
+        case = sc.guillotine(0.8, length=8.0, width=4.8, travel=4.0, **options)
         sim = case.simulation
         sim.run(case.duration)
-        force[on] = sim.ledger.tool_work
-        if on:
-            looked = sim.self_contact
-            assert abs(sim.close_ledger().self_contact_work) < 1e-4 * sim.ledger.tool_work
-            # A handful of points at the tip, of all those at the cut.
-            assert looked.n_looked < 8 * sim.state.step
-            assert looked.n_search < 0.05 * sim.state.step
+        work.append(sim.ledger.tool_work)
+    assert abs(sim.close_ledger().self_contact_work) < 1e-4 * sim.ledger.tool_work
+    # A handful of points at the tip, of all those at the cut.
+    assert sim.self_contact.n_looked < 8 * sim.state.step
+    assert sim.self_contact.n_search < 0.05 * sim.state.step
     # Work of the whole cut; measured equal to 5 digits.
-    assert force[True] == pytest.approx(force[False], rel=5e-3)
+    assert work[1] == pytest.approx(work[0], rel=5e-3)
 
 
 def test_flanks_of_a_cut_that_is_closed_again_do_not_overlap():
@@ -356,10 +353,3 @@ def test_pairs_are_those_of_the_boxes(reach):
     got = sorted(zip(found.point_of_pair.tolist(), found.row.tolist(), strict=True))
     assert got == sorted(zip(point.tolist(), rows[which].tolist(), strict=True))
     assert (len(got) > 16 * 31) == (reach > 1.0)
-
-
-def test_a_point_has_as_many_partners_as_there_are_quads_near():
-    mesh = rectangle(7.0, 7.0, size=0.1)
-    points = Points(np.zeros(1, np.int64), np.array([[3.5, 0.0, 0.0]]), np.full(1, -1))
-    found = PairSearch().find(points, np.arange(mesh.n_quad), 10.0, initial_state(mesh))
-    assert found.row.tolist() == list(range(4900))

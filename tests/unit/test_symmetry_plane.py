@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut import Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics, Support, read_film
+from shellcut import Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics, Support
 from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.mesh.structured import rectangle
 
@@ -79,23 +79,6 @@ def test_so_it_is_in_the_explicit_driver():
     np.testing.assert_allclose(part, all_, atol=1e-4 * abs(all_).max())
 
 
-def test_a_film_file_is_no_exception(tmp_path):
-    lines = ["*Node"]
-    lines += [f"{k + 1}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(QUARTER.nodes.tolist())]
-    lines += ["*Element, type=S4, elset=film"]
-    lines += [f"{k + 1}, {str(q)[1:-1]}" for k, q in enumerate((QUARTER.quads + 1).tolist())]
-    for name, ids in QUARTER.node_sets.items():
-        lines += [f"*Nset, nset={name}", ", ".join(str(i + 1) for i in ids.tolist())]
-    file = tmp_path / "dome.inp"
-    file.write_text("\n".join(lines))
-    film = read_film(file, unit="mm")
-    supports = [*PLANES, Support.clamped("x1"), Support.clamped("y1")]
-    read, built = (
-        Statics(mesh, FILM, supports=supports, loads=LOADS).linear()[0] for mesh in (film, QUARTER)
-    )
-    np.testing.assert_allclose(read, built, atol=1e-10 * abs(built).max())
-
-
 # --- which directors are put into a plane --------------------------------------------------------
 
 
@@ -149,13 +132,12 @@ LEANING = patch(graded(N) + 0.5, graded(N) + 1.0)
 @pytest.mark.parametrize(
     "supports",
     [
-        [Support.symmetry("x0", "x"), Support.clamped("x1")],
         [Support("x0", "xz", "yz"), Support.clamped("y1")],
         [Support("x0", "xyz", "yz"), Support("x1", "z", "xz"), Support("y0", "yz", "xz")],
         [Support("x0", "xz", "y"), Support("x1", "xz", "y"), Support("y0", "y", "x")],
         [Support("x0", "x", ""), Support("x0", "yz", "y"), Support("x1", "z", "y")],
     ],
-    ids=["plane", "guide", "hinges", "diaphragms", "one"],
+    ids=["guide", "hinges", "diaphragms", "one"],
 )
 def test_equilibrium_of_statics_is_rest_in_the_explicit_driver(supports):
     # Every director at the held sides leans out of the axes, by 2 to 30°.
@@ -167,7 +149,7 @@ def test_equilibrium_of_statics_is_rest_in_the_explicit_driver(supports):
     n, node = LEANING.n_node, sim.state.node
     node.x[:n], node.t[:n] = still.state.node.x[:n], still.state.node.t[:n]
     assert sim.relax(tolerance=1e-6) == 0  # statics leaves 1e-8 of the largest force
-    for _ in range(2000):
+    for _ in range(1000):
         sim.step()
     np.testing.assert_allclose(node.x[:n] - node.X[:n], rest.displacement, atol=1e-6)
     np.testing.assert_allclose(node.t[:n], rest.director, atol=1e-6)
@@ -187,7 +169,7 @@ def test_a_leaning_director_swings_on_its_cone_for_long():
     t, T = sim.state.node.t, sim.mesh.directors
     on_cone, in_plane = (sim.mesh.node_set(side) for side in ("x0", "x1"))
     first, largest = sim.ledger.initial, 0.0
-    for _ in range(5000):
+    for _ in range(2500):
         sim.step()
         largest = max(largest, abs(t[on_cone] - T[on_cone]).max())
     assert largest > 0.1
