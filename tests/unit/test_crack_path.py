@@ -37,12 +37,7 @@ def by_hand(**options):
 def notched(mesh, tool=None, motion=ALONG, duration=1e-3, notch=2.0, supports=SIDES):
     """The case of a notched film, and the tips of its notch."""
     case = free_cut(
-        mesh,
-        tool=tool or blade(),
-        motion=motion,
-        duration=duration,
-        notch=notch,
-        supports=supports,
+        mesh, tool=tool or blade(), motion=motion, duration=duration, notch=notch, supports=supports
     )
     sim = case.simulation
     return case, sim.cracks.at_tips(sim.mesh.nodes)

@@ -6,11 +6,7 @@ import pytest
 from naive.contact import distances, winding_number
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.signed_distance import (
-    at_least,
-    closest_of_side,
-    closest_on_triangle,
-)
+from shellcut.tool.signed_distance import at_least, closest_of_side, closest_on_triangle
 
 
 def random_points(tool, seed, n=500):
