@@ -357,23 +357,6 @@ def test_an_edge_severs_a_cable_at_its_own_area_and_the_books_hold_the_rest(area
     booked()
 
 
-def test_work_of_an_evaluation_is_the_sum_over_the_cables():
-    cables, state = jointed_cables(HERE)
-    state.dt = 1e-6
-    state.node.velocity_half[:6] = np.random.default_rng(0).uniform(-1e3, 1e3, (6, 3))
-    before = state.cable.work[:3].copy()
-    old = state.cable.force[:3].copy()
-    joints = state.cable.joint[:3].copy()
-    _, result = evaluate(cables, state, at(0.001, 0, 0))
-    assert result.work == pytest.approx((state.cable.work[:3] - before).sum(), rel=1e-12)
-    mean = 0.5 * (old + state.cable.force[:3])
-    v = state.node.velocity_half[:6].reshape(3, 2, 3)
-    by_hand = -1e-6 * (mean * v).sum()
-    by_hand += (mean.sum(axis=1) * (state.cable.joint[:3] - joints)).sum()
-    assert result.work == pytest.approx(by_hand, rel=1e-12)
-    assert result.work != 0.0
-
-
 def test_the_start_force_works_by_what_is_left_of_it_over_each_step():
     """Two cables are opened, closed and opened on in long steps; all four ends move."""
     m, starts = np.array([0.0, 1.0, 0.0]), np.array([[0.05, -0.1, 0.2], [-0.3, 0.05, 0.1]])

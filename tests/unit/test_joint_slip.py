@@ -73,16 +73,6 @@ def test_a_joint_slips_to_the_limit_of_friction_and_no_farther(ends, mu):
     np.testing.assert_array_equal(state.cable.joint_body[0], slipped)
 
 
-def test_a_joint_rests_within_the_limit():
-    mu, z = 0.3, 0.4  # tan(theta) = z / 1 is below mu pi / 2
-    cables, state = one_cable(slip(mu), (-0.001, -0.001, 0.0), (-0.001, 0.001, 0.0))
-    before = state.cable.joint_body[0].copy()
-    forces = evaluated(cables, state, (-1.0, -0.001, z), (-1.0, 0.001, z))
-    np.testing.assert_array_equal(state.cable.joint_body[0], before)
-    assert forces.friction_work == 0.0
-    assert forces.wrench[0, 2] == pytest.approx(z * -forces.wrench[0, 0], rel=1e-9)
-
-
 def dragged(law, xi, n=4000):
     """Drag one cable by a blade that advances by 1 and slides by xi per time, to its end."""
     w = 1e-3  # of 4 mm: the branches are parallel

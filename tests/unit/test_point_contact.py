@@ -19,7 +19,7 @@ from shellcut.tool.shapes import straight_blade, tooth_ring
 GAP = 0.01
 
 
-def pricked(tool_points=True, friction=0.0):
+def pricked(tool_points=True, friction=0.0, **options):
     """A clamped film of 1 mm quads, and a needle above the inside of one that comes down."""
     mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
     return Simulation(
@@ -29,6 +29,7 @@ def pricked(tool_points=True, friction=0.0):
         tool=needle().translated((2.37, 0.21, GAP)),
         motion=StraightMotion((0.0, 0.0, -1.0), speed=2000.0, ramp=2e-5),
         contact=Contact(tool_points=tool_points, friction=friction),
+        **options,
     )
 
 
@@ -79,10 +80,9 @@ def test_a_box_pushes_with_corners_and_edges():
 
 def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     ring = tooth_ring(n_teeth=1)
-    points = tool_points(ring, 0.4)
-    ends = ring.vertices[ring.edges]
-    tip = ends.reshape(-1, 3)[ends.reshape(-1, 3)[:, 2].argmin()]
-    away = np.linalg.norm(points.place - tip, axis=1)
+    points, ends = tool_points(ring, 0.4), ring.vertices[ring.edges]
+    tip = ends[:, :, 2].argmin()
+    away = np.linalg.norm(points.place - ends.reshape(-1, 3)[tip], axis=1)
     assert away.min() == 0.0
     assert points.radius[away.argmin()] == 0.0
     assert points.outward[away.argmin(), 2] < -0.5
@@ -90,16 +90,12 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     on = np.flatnonzero((points.segment >= 0) & (points.radius > 0.0))
     start, vector = ends[points.segment[on], 0], np.diff(ends, axis=1)[points.segment[on], 0]
     share = ((points.place[on] - start) * vector).sum(axis=1) / (vector**2).sum(axis=1)
-    foot = start + share[:, None] * vector
-    np.testing.assert_allclose(points.place[on], foot, atol=1e-9)
+    np.testing.assert_allclose(points.place[on], start + share[:, None] * vector, atol=1e-9)
     assert ((share > 0.0) & (share < 1.0 + 1e-9)).all()
     blade = tool_points(straight_blade(height=3.0), 0.4)
     z = np.sort(blade.place[np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9, 2])
-    assert abs(z[[0, -1]]).max() == 1.5
     assert np.diff(z).max() < 0.2 + 1e-9
-    at_end = abs(abs(blade.place[blade.radius == 0.0, 2]) - 1.5) < 1e-9
-    assert (blade.radius == 0.0).sum() == 2
-    assert at_end.all()
+    assert sorted(blade.place[blade.radius == 0.0, 2]) == pytest.approx([-1.5, 1.5], abs=1e-9)
 
 
 def test_points_are_spread_and_share_their_stiffness():

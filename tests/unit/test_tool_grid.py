@@ -6,7 +6,7 @@ import pytest
 from naive.contact import distances, winding_number
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.signed_distance import at_least, closest_of_side, closest_on_triangle
+from shellcut.tool.signed_distance import at_least
 
 
 def random_points(tool, seed, n=500):
@@ -68,39 +68,6 @@ def test_teeth_equal_brute_force(half_angle_deg):
         n_teeth=2, radius=3.0, height=1.5, length=0.8, wedge_half_angle_deg=half_angle_deg, n_arc=8
     )
     assert_matches_brute_force(tool, random_points(tool, seed=12, n=400))
-
-
-@pytest.mark.parametrize(
-    ("p", "closest", "feature"),
-    [
-        ((0.2, 0.2, 3.0), (0.2, 0.2, 0.0), 0),
-        ((-1.0, -1.0, 1.0), (0.0, 0.0, 0.0), 1),
-        ((3.0, -0.5, 1.0), (1.0, 0.0, 0.0), 2),
-        ((-0.5, 3.0, -1.0), (0.0, 1.0, 0.0), 3),
-        ((0.5, -2.0, 1.0), (0.5, 0.0, 0.0), 4),
-        ((1.0, 1.0, 0.0), (0.5, 0.5, 0.0), 5),
-        ((-2.0, 0.25, 1.0), (0.0, 0.25, 0.0), 6),
-    ],
-)
-def test_every_feature_of_a_triangle(p, closest, feature):
-    q, where = closest_on_triangle(p, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    assert q == pytest.approx(closest, abs=1e-15)
-    assert where == feature
-
-
-def test_side_decides_which_flank_is_closest():
-    tool = straight_blade(half_thickness=0.3, wedge_half_angle_deg=10.0)
-    grid = ClosestTriangleGrid.build(tool)
-    p = (-2.5, 0.1, 0.3)  # between the parallel flanks, nearer to plus
-    for side, y in ((1, 0.3), (-1, -0.3), (0, 0.3)):
-        found, triangle, feature, q = closest_of_side(p, side, grid.arrays)
-        assert found
-        assert q == pytest.approx((-2.5, y, 0.3))
-        assert tool.flank[triangle] == np.sign(y)
-        assert feature in (0, 4, 5, 6)
-        _, inside, _, closest = grid.query(p, side)
-        assert inside[0]
-        np.testing.assert_allclose(closest[0], q)
 
 
 def test_a_grid_has_sorted_lists_finds_no_far_point_and_refuses():

@@ -145,29 +145,6 @@ def test_a_broken_side_keeps_mass_momentum_energy_and_cohesive_area(k):
         assert (record.node, record.twin) == (-1, -1)
 
 
-def test_a_cable_goes_with_the_half_that_owns_its_flank():
-    mesh, shell, state = prepared()
-    cuts = broken(mesh, shell, state, 2)
-    c = state.cable
-    assert state.n_cable == 2 * FIBRES  # of the sides before and behind node 17
-    for k in range(2 * FIBRES):
-        c.force[k], c.work[k], c.opening_max[k], c.status[k] = k + np.ones((2, 3)), k, 0.3 + k, k
-    before, held = state.saved()["cable"], np.stack([c.ends, c.far])[:, : c.count]
-    kept = {name: before[name].copy() for name in ("force", "work", "opening_max", "status")}
-    cases.break_side(cuts, shell, state, 17, 10)
-    record, c = state.split_log[-1], state.cable
-    assert state.n_cable == 3 * FIBRES
-    for name, rows in kept.items():
-        np.testing.assert_array_equal(getattr(c, name)[: 2 * FIBRES], rows, err_msg=name)
-    # The flank of one of the two sides is that of the twin; nothing else of them has changed.
-    now = np.stack([c.ends, c.far])[:, : 2 * FIBRES]
-    moved = now != held
-    assert moved.sum() == FIBRES
-    assert (held[moved] == record.node).all()
-    assert (now[moved] == record.twin).all()
-    check_cables(mesh, state, [(16, 17), (17, 18), (17, 10)])
-
-
 def test_equilibrium_start_takes_over_what_the_node_carried():
     force = np.array([0.3, 0.4, 0.5])
     for exactly in (True, False):
