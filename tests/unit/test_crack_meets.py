@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from free_strip import cut_strip, pieces_of, slanted_strip
+from free_strip import cut_strip, path_in, pieces_of, slanted_strip
 from naive import blade_drive
 from shellcut import Mesh, StraightMotion, load_checkpoint, save_checkpoint
 from shellcut.contact.settings import STEEPEST
 from shellcut.fracture.begun_cut import Begun, Pierced
 from shellcut.fracture.blade_drive import BladeDrive
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.entered_film import EnteredFilm
 from shellcut.fracture.flank_points import hand_on_stiffness
@@ -30,10 +28,6 @@ def aligned(turned=False):
     rolls = np.random.default_rng(2).integers(0, 4, mesh.n_quad) * turned
     quads = np.array([np.roll(quad, k) for quad, k in zip(mesh.quads, rolls, strict=True)])
     return Mesh.from_arrays(mesh.nodes, quads, node_sets=mesh.node_sets)
-
-
-def path_in(sim):
-    return CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
 
 
 def start_of(sim):

@@ -5,10 +5,9 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll, moved
+from free_strip import path_in
 from naive.crack_path import place_of
 from shellcut.contact.film_outline import first_at_places
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
 from shellcut.fracture.tip import Tip
@@ -21,7 +20,7 @@ def film_and_path(mesh):
     """Return a simulation without tool, and what finds the paths of its cracks."""
     law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
     sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
-    return sim, CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
+    return sim, path_in(sim)
 
 
 def rolled(angle, radius):

@@ -168,20 +168,6 @@ def test_a_joint_goes_on_over_vertices_and_stays_at_the_open_end():
 
 
 @pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"joint": "slip"}, "needs a joint_friction that is positive, got 0.0"),
-        ({"joint": "slip", "joint_friction": np.inf}, "must be 0 or more and finite, got inf"),
-        ({"joint": "free", "joint_friction": 0.1}, "joint_friction belongs to joint = 'slip'"),
-        ({"joint_friction": 0.1}, "got 0.1 with joint = 'adhesion'"),
-    ],
-)
-def test_impossible_joints_are_refused(keys, said):
-    with pytest.raises(ValueError, match=said):
-        sc.CohesiveLaw(**keys)
-
-
-@pytest.mark.parametrize(
     ("options", "said"),
     [
         (

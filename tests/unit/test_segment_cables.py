@@ -4,32 +4,21 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from free_strip import cut_strip
+from free_strip import cut_strip, notched_sheet, path_in, segment_ahead
 from naive.cable import straight
 from naive.shell import shape
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.flank_points import FlankPoints
 from shellcut.fracture.tip import Segment
-from shellcut.mesh.structured import rectangle
 
 SIZE, NOTCH, FIBRES = 0.5, 2.2, 5
 LAW = sc.CohesiveLaw()
 
 
 def segment_cut(rise=0.3):
-    """Return a film with a notch through its quads and one segment cut ahead of it."""
-    mesh = rectangle(5.0, 4.0, size=SIZE)
-    fracture = sc.Fracture(path="free", fibres=FIBRES)
-    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=LAW, fracture=fracture)
-    rim, y = mesh.nodes[:, 0].min(), rise * SIZE
-    sim.notch((rim - 1.0, y, 0.0), (rim + NOTCH, y, 0.0))
-    free = sim.cracks
-    (tip,) = free.tips
-    segment = CrackPath(CutFilm(free.cuts.topology, sim.shell)).segment_from(
-        sim.state, tip, tip.heading
-    )
-    free.growth.along(sim.state, tip, segment, "criterion", 1.0)
+    """Return a notched film and one segment cut ahead of its tip."""
+    sim = notched_sheet(rise, fibres=FIBRES)
+    tip, segment = segment_ahead(sim)
+    sim.cracks.growth.along(sim.state, tip, segment, "criterion", 1.0)
     return sim, segment
 
 
@@ -129,8 +118,7 @@ def test_a_segment_that_opens_nowhere_is_held_and_its_fibres_rest():
     middles = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     row = int(np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin())
     ways = [np.array([sign, 0.1, 0.0]) for sign in (-1.0, 1.0)]
-    path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
-    back, ahead = (path.segment(s, row, (0.0, 0.0), way) for way in ways)
+    back, ahead = (path_in(sim).segment(s, row, (0.0, 0.0), way) for way in ways)
     free.growth.through(s, back, ahead, "puncture", 1.0)
     free.cuts.renew(s)
     assert s.n_cable == 6

@@ -8,11 +8,9 @@ import pytest
 
 import shellcut as sc
 from films import shaken
-from free_strip import cut_strip, slanted_strip
+from free_strip import cut_strip, notched_sheet, path_in, segment_ahead, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
 from shellcut.fracture.blade_drive import BladeDrive
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.entered_film import EnteredFilm, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
@@ -30,7 +28,7 @@ class Rules:
 
     def __init__(self, sim):
         self.sim, self.topology = sim, sim.cracks.cuts.topology
-        self.path = CrackPath(CutFilm(self.topology, sim.shell))
+        self.path = path_in(sim)
         self.film = trial_cut.Film(self.topology, sim.shell, sim.loads, sim.law.strength)
         self.watch = TipWatch(
             self.path, trial_of(sim), BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
@@ -289,7 +287,7 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
 # --- the nodal force of a trial cut under a uniform stress: the stress times the length it opens
 
 
-SIZE, STRETCH = 0.5, 0.004
+STRETCH = 0.004
 
 
 def trial_of(sim):
@@ -305,23 +303,11 @@ def measures_of(sim, segment):
     )
 
 
-def notched(rise):
-    """A sheet notched ``rise`` above the middle line, and the segment ahead of its tip."""
-    mesh = rectangle(5.0, 4.0, size=SIZE)
-    film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
-    fracture = sc.Fracture(path="free")
-    sim = sc.Simulation(mesh, film, law=sc.CohesiveLaw(), fracture=fracture, damping_beta=0.0)
-    rim = mesh.nodes[:, 0].min()
-    sim.notch((rim - 1.0, rise, 0.0), (rim + 2.2, rise, 0.0))
-    (tip,) = sim.cracks.tips
-    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
-    return sim, tip, path.segment_from(sim.state, tip, tip.heading)
-
-
 @pytest.mark.parametrize("rise", [0.1, 0.5, 0.9])
 def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
     """The crack runs along rows of equal quads, ``rise`` of an edge above the row's lower side."""
-    sim, tip, segment = notched(rise * SIZE)
+    sim = notched_sheet(rise)
+    tip, segment = segment_ahead(sim)
     n = sim.state.node
     n.x[: n.count, 1] = (1.0 + STRETCH) * n.X[: n.count, 1]  # the notch's flanks stay closed
     # First Piola-Kirchhoff stress: force over reference length and thickness.
@@ -336,7 +322,8 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
 
 def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what_opens_it():
     """A trial cut of a sheet at rest, with forces on the flanks given by its quads' strains."""
-    sim, _, segment = notched(0.1)
+    sim = notched_sheet(0.2)
+    _, segment = segment_ahead(sim)
     n, quads, parent = sim.state.node, sim.state.quads, sim.state.quad.parent
     # Corners of the upper copy behind the tip that no other part of the film has.
     ((_, (lower, upper)), *_) = trial_of(sim).pairs(sim.state, segment)
