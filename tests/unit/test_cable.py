@@ -158,31 +158,6 @@ def test_first_step_pulls_along_m_whatever_the_onset_and_then_along_w():
     assert np.abs(result.couple).max() < 1e-20
 
 
-@pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
-def test_moments_sum_to_the_named_couple(pose):
-    cables, state = jointed_cables(pose)
-    x, c = state.node.x, state.cable
-    # A fourth cable that stays straight and a joint with a short branch.
-    far = pose[0] @ [2.0, 0.0, 0.0] + pose[1]
-    state.node.x[1] = c.joint[0] + [2e-4, -3e-4, 1e-4]
-    c.status[2], c.start_force[2] = STRAIGHT, [0.1, -0.2, 0.3]
-    state.node.x[4:6] = far, far + np.array([0.004, 0.003, -0.002])
-    c.opening_max[2] = 0.0
-    forces, result = evaluate(cables, state, pose)
-    assert c.status[2] == STRAIGHT
-    assert np.linalg.norm(c.joint[0] - x[1]) < LAW.short_branch
-    force = forces.sum(axis=0) + result.wrench[0, :3]
-    moment = np.cross(x[:6], forces).sum(axis=0)
-    moment += result.wrench[0, 3:] + np.cross(pose[1], result.wrench[0, :3])
-    # Round-off: forces of 0.5 N at positions of some mm.
-    assert np.abs(force).max() < 1e-14
-    np.testing.assert_allclose(moment, result.couple, rtol=0, atol=1e-14)
-    assert np.abs(result.couple).max() > 1e-5
-    # sigma_F A delta_0 of a straight cable, and of a branch its length.
-    named = LAW.strength * AREA * (LAW.onset + LAW.short_branch) + 0.4 * 0.006
-    assert np.linalg.norm(result.couple) < named
-
-
 def test_short_branch_keeps_its_last_direction():
     cables, state = jointed_cables(HERE)
     evaluate(cables, state)

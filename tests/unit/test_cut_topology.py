@@ -114,10 +114,3 @@ def test_shares_of_random_chords_sum_to_one():
     shares = [share_of(polygon, density(X)) for polygon in parts]
     assert min(shares) > 0.0
     assert sum(shares) == pytest.approx(1.0, abs=1e-13)
-
-
-def test_a_chord_along_an_edge_is_refused():
-    with pytest.raises(ValueError, match="must divide the polygon in two"):
-        divide(WHOLE, on_side(0, 0.2), on_side(0, 0.7))
-    with pytest.raises(ValueError, match="must lie on the polygon"):
-        divide(WHOLE, (0.0, 0.0), on_side(0, 0.7))

@@ -183,15 +183,8 @@ def test_an_edge_that_leaves_the_film_is_refused(options, said):
         sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, **options)
 
 
-def test_neighbours_along_the_edges():
-    assert neighbours(None).shape == (0, 2)
-    assert neighbours(BLADE).tolist() == [[-1, -1]]
-    ring = tooth_ring(n_teeth=2)
-    n = ring.n_edge // 2
-    expected = [[k - 1, k + 1] for k in range(2 * n)]
-    expected[0][0] = expected[n - 1][1] = expected[n][0] = expected[-1][1] = -1
-    assert neighbours(ring).tolist() == expected
-    # A square plate with all four upper edges cutting is a closed chain.
+def test_a_square_whose_upper_edges_cut_is_a_closed_chain():
     square = prism([(0, 0), (1, 0), (1, 1), (0, 1)], 0, 1)
     box = sc.Tool.from_triangles(*square, edges=[(4, 5), (5, 6), (6, 7), (7, 4)])
     assert neighbours(box).tolist() == [[3, 1], [0, 2], [1, 3], [2, 0]]
+    assert neighbours(None).shape == (0, 2)
