@@ -84,7 +84,7 @@ def pierced(angle, path, line, kind="squares"):
     ("path", "angle", "kind"),
     [
         ("free", 0.0, "squares"),
-        pytest.param("free", 30.0, "squares", marks=pytest.mark.slow),
+        ("free", 30.0, "squares"),
         pytest.param("free", 45.0, "squares", marks=pytest.mark.slow),
         ("free", 105.0, "squares"),
         ("edges", 30.0, "squares"),
