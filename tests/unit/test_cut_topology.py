@@ -92,6 +92,17 @@ def test_a_cut_of_a_copy_and_its_undoing():
     assert cuts.polygon(quad) == WHOLE
 
 
+def test_saved_topology_is_the_same():
+    one, other = topology(), topology()
+    for x in (0.5, 1.5):
+        one.cut(quad_at(x, 1.5), *across(quad_at(x, 1.5), 0.4))
+    one.break_side(node_at(2, 1), node_at(2, 2))
+    other.restore(one.saved())
+    for node in range(MESH.n_node):
+        assert one.classes(node) == other.classes(node)
+    assert one.crossings(node_at(1, 1), node_at(1, 2)) == pytest.approx([0.4])
+
+
 def test_shares_of_random_chords_sum_to_one():
     """Also of a distorted, warped quad; each part lies on its own side of the chord."""
     rng = np.random.default_rng(0)
