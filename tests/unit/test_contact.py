@@ -380,6 +380,21 @@ def test_a_node_that_hits_a_face_does_not_come_back_faster(speed, stiff):
     assert max(come_back) < 1.45
 
 
+def test_work_is_the_trapezoid_also_when_a_node_leaves():
+    state, contact = nodes_at([[-1.0, 0.15, 0.0]]), blade_contact()
+    old, _ = evaluate(contact, state)
+    v = np.array([3.0, 40.0, -1.0])
+    new, result = push(state, contact, v, 1e-4)
+    assert result.node_work == pytest.approx(0.5e-4 * (old[0] + new[0]) @ v, rel=1e-12)
+    state.step = 1  # of a run: the list of near nodes lasts
+    state.node.x[0, 1] = 5.0  # out of the tool
+    gone, result = evaluate(contact, state)
+    assert not gone.any()
+    assert not state.node.contact_force[0].any()
+    assert result.node_work == pytest.approx(0.5e-4 * new[0] @ v, rel=1e-12)
+    assert result.n_touching == 0
+
+
 @TOOLS
 def test_what_a_look_remembers_changes_round_off_only(tool):
     # Nodes slide along the faces, in and out; now and then the list is made anew after a split,

@@ -72,14 +72,18 @@ def test_a_place_over_a_skewed_quad_is_found():
         assert (found.xi, found.eta) == pytest.approx((xi, eta), abs=1e-9)
 
 
-def test_the_tip_of_a_crack_is_the_end_of_an_open_edge_of_the_quads_ahead_too():
+def test_edges_are_open_at_rim_and_cut_and_where_a_node_splits():
     mesh = rectangle(4.0, 2.0, n_x=4, n_y=2)
     line = [int(np.argmin(np.hypot(mesh.nodes[:, 0] - x, mesh.nodes[:, 1]))) for x in range(3)]
     state = initial_state(mesh.cut(line))
     outline = FilmOutline().of(state)
-    x, y, _ = state.node.X[state.quads].transpose(2, 0, 1)
-    ahead = (x.mean(axis=1) > 2.0) & (x.mean(axis=1) < 3.0)
-    at_tip = (x == 2.0) & (y == 0.0) & ahead[:, None]
+    corners = state.node.X[state.quads]
+    x, y, _ = (0.5 * (corners + np.roll(corners, -1, axis=1))).transpose(2, 0, 1)
+    rim, cut = (np.abs(y) > 0.9) | np.isin(x, (0.0, 4.0)), (y == 0.0) & (x < 2.0)
+    np.testing.assert_array_equal(outline.open[:, :4], rim | cut)
+    # The tip is the end of an open edge also of the quads ahead of it.
+    ahead = np.abs(corners[..., 0].mean(axis=1) - 2.5) < 0.5
+    at_tip = (corners[..., 0] == 2.0) & (corners[..., 1] == 0.0) & ahead[:, None]
     assert at_tip.sum() == 2
     assert outline.open_at[:, :4][at_tip].all()
 
@@ -329,3 +333,10 @@ def test_pairs_are_those_of_the_boxes(reach):
     got = sorted(zip(found.point_of_pair.tolist(), found.row.tolist(), strict=True))
     assert got == sorted(zip(point.tolist(), rows[which].tolist(), strict=True))
     assert (len(got) > 16 * 31) == (reach > 1.0)
+
+
+def test_a_point_has_as_many_partners_as_there_are_quads_near():
+    mesh = rectangle(7.0, 7.0, size=0.1)
+    points = Points(np.zeros(1, np.int64), np.array([[3.5, 0.0, 0.0]]), np.full(1, -1))
+    found = PairSearch().find(points, np.arange(mesh.n_quad), 10.0, initial_state(mesh))
+    assert found.row.tolist() == list(range(4900))
