@@ -173,14 +173,14 @@ def test_equilibrium_start_takes_over_what_the_node_carried():
 
 def test_many_splits_outgrow_the_reserve():
     # More twins than spare rows: arrays are replaced, and nothing of the above may break.
-    mesh = rectangle(20.0, 12.0, n_x=20, n_y=12)
+    mesh = rectangle(28.0, 20.0, n_x=28, n_y=20)
     shell, state = cases.set_up(mesh)
     cuts = Cuts(state, shell, LAW, fibres=FIBRES)
     mass, spare = state.node.mass[: mesh.n_node].sum(), len(state.node.x)
-    nodes = [row * 21 + i for row in range(1, 12, 2) for i in range(20)]
+    nodes = [row * 29 + i for row in range(1, 20, 2) for i in range(28)]
     for node in nodes:
         cases.break_side(cuts, shell, state, node, node + 1)
-    assert state.n_node == mesh.n_node + 126 > spare
+    assert state.n_node == mesh.n_node + 290 > spare
     assert state.node.mass[: state.n_node].sum() == pytest.approx(mass, rel=1e-12)
     check_cables(mesh, state, [(node, node + 1) for node in nodes])
 
