@@ -101,7 +101,7 @@ def test_forces_and_energy_are_those_of_a_plain_twin():
     # round-off, and edges of the tool so round that it cannot pass between two of them.
     k, depth, spacing = 1e4 * 0.25, 0.125 * 1.08 / 7.92, 1.0 / 16.0 - 1e-12
     pressed = 0
-    for corners in random_quads(rng, 60):
+    for corners in random_quads(rng, 30):
         place(sim, corners)
         force, _, (_, found) = evaluated(sim)
         wanted, energy = np.zeros((4, 3)), 0.0
@@ -116,7 +116,7 @@ def test_forces_and_energy_are_those_of_a_plain_twin():
         np.testing.assert_allclose(force, wanted, atol=1e-9 * k * depth)
         np.testing.assert_allclose(found.stored, energy, atol=1e-12)
         pressed += energy > 0.0
-    assert pressed > 25
+    assert pressed > 12
 
 
 def test_what_counts_in_the_step_bounds_the_tangent_of_nodes_and_edges():

@@ -206,9 +206,9 @@ def test_joint_is_a_matter_of_positions(minus, plus, met, pose):
 @pytest.mark.parametrize("tool", [BLADE, tooth_ring()], ids=["blade", "teeth"])
 @pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
 def test_the_joint_is_on_the_edge_beside_where_the_cable_crosses_the_mid_plane(tool, pose):
-    """Wherever on the cable that is, and however it lies: forty cables, each by itself."""
+    """Wherever on the cable that is, and however it lies: twenty cables, each by itself."""
     rng, off = np.random.default_rng(5), []
-    for _ in range(40):
+    for _ in range(20):
         k = int(rng.integers(tool.n_edge))
         start, stop = tool.vertices[tool.edges[k]]
         along, normal = (stop - start) / np.linalg.norm(stop - start), tool.edge_normal[k]
