@@ -162,7 +162,7 @@ def strip_force(depth, film, half):
     return 2.0 * tension * np.sin(slope)
 
 
-@pytest.mark.parametrize(("film", "size", "beside"), [(ONE, 0.8, 0.03), (THREE, 0.4, 0.1)])
+@pytest.mark.parametrize(("film", "size", "beside"), [(ONE, 0.8, 0.03), (THREE, 0.8, 0.1)])
 def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(film, size, beside):
     half, width, law = 4.0, 8.0, CohesiveLaw()
     carried = 18.0 * film.thickness
@@ -229,7 +229,7 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
         turned = ShellMaterial([Layer(replace(axes, angle_deg=30.0), 0.074)])
         assert puncture_force(turned, law) == pytest.approx(force, rel=1e-9)
         assert force == pytest.approx(0.39046 * ratio**-0.25, rel=1e-4)
-        _, stress = tip_on_a_disc(film, force, 12, 0.5)
+        _, stress = tip_on_a_disc(film, force, 8, 0.35)
         tension.append(stress[:2, :2].diagonal())
     (same, also), (along, across) = tension
     assert same == pytest.approx(also, rel=0.01)
