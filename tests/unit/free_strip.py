@@ -2,6 +2,8 @@
 
 from films import pieces
 from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation, StraightMotion, Support
+from shellcut.fracture.crack_path import CrackPath
+from shellcut.fracture.cut_film import CutFilm
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
 
@@ -36,3 +38,27 @@ def cut_strip(*, material=None, mesh=None, notched=True, **options):
 def pieces_of(sim):
     """How many pieces the film has."""
     return pieces(sim.state.quads).max() + 1
+
+
+def path_in(sim):
+    """What finds the paths of cracks through the film of a simulation."""
+    return CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
+
+
+def notched_sheet(rise, material=None, **fracture):
+    """A sheet of quads of 0.5 mm, 5 by 4 mm, with a notch of 2.2 mm above its middle line.
+
+    rise : how far above, in quads; at 0 the notch lies along sides.
+    """
+    film, path = material or ShellMaterial.homogeneous(), Fracture(path="free", **fracture)
+    mesh = rectangle(5.0, 4.0, size=0.5)
+    sim = Simulation(mesh, film, law=CohesiveLaw(), fracture=path)
+    rim, y = mesh.nodes[:, 0].min(), 0.5 * rise
+    sim.notch((rim - 1.0, y, 0.0), (rim + 2.2, y, 0.0))
+    return sim
+
+
+def segment_ahead(sim):
+    """The only tip of a simulation and the segment straight ahead of it."""
+    (tip,) = sim.cracks.tips
+    return tip, path_in(sim).segment_from(sim.state, tip, tip.heading)

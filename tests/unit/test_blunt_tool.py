@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from blunt_tools import BOX_FACES, box_corners
+from blunt_tools import BOX_FACES, blunt, box_corners
 from films import cut_by
 from shellcut.meshing import rectangle
 from shellcut.models import Case
@@ -19,8 +19,7 @@ LAW = sc.CohesiveLaw(
 
 
 def bar():
-    none = np.zeros((0, 2), int)
-    return sc.Tool.from_triangles(LEANING, BOX_FACES, edges=none, name="bar")
+    return blunt(LEANING, BOX_FACES)
 
 
 def test_it_has_no_edges_and_no_flanks():
@@ -30,45 +29,26 @@ def test_it_has_no_edges_and_no_flanks():
     assert tool.volume()[0] == pytest.approx(2.0 * 2.0 * 8.0)  # round-off
 
 
-@pytest.fixture(scope="module")
-def pushed(tmp_path_factory):
-    """A notched strip that the bar tears."""
-    folder = tmp_path_factory.mktemp("pushed")
+def test_the_film_tears_ahead_of_it_and_checks_report_and_preview_do_without_edges(tmp_path):
     tool = bar().translated((-0.1, 0.0, 0.0))
     sim = cut_by(tool, rectangle(12.0, 8.0, size=1.0), 8000.0, ramp=1e-4, law=LAW)
     sim.notch((-1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     case = Case("pushed", sim, 0.4e-3)
+    said = sc.preview(sim, tmp_path / "bar.png", time=1e-4)
+    assert "0 cutting edges" in said
+    folder = tmp_path / "pushed"
     case.run(folder, n_row=50, n_frame=2, n_snapshot=2)
-    return case, folder
-
-
-def test_the_film_tears_ahead_of_it(pushed):
-    case, _ = pushed
-    s = case.simulation.state
-    assert s.crack_length >= 3.0
-    assert {cut.kind for cut in s.split_log} == {"notch", "tear"}
+    cuts = sim.state.split_log
+    assert sim.state.crack_length >= 3.0
+    assert {cut.kind for cut in cuts} == {"notch", "tear"}
     # All is the same on both sides of the bar.
-    assert max(abs(cut.end[1]) for cut in s.split_log) < 1e-6
-    ahead = max(cut.reference[0] for cut in s.split_log)
-    assert ahead > case.simulation.pose.translation[0]
-    book = case.simulation.ledger
+    assert max(abs(cut.end[1]) for cut in cuts) < 1e-6
+    assert max(cut.reference[0] for cut in cuts) > sim.pose.translation[0]
+    book = sim.ledger
     assert abs(book.relative(book.imbalance)) < 1e-3
-
-
-def test_checks_report_and_preview_do_without_edges(pushed, tmp_path):
-    case, folder = pushed
     assert case.check.findings == ()
     assert case.check.sweep is None
     assert sc.report_run(folder).exists()
-    fresh = sc.Simulation(
-        rectangle(4.0, 4.0, size=1.0),
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("left")],
-        tool=bar().translated((-1.5, 0.0, 0.0)),
-        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=8000.0),
-    )
-    said = sc.preview(fresh, tmp_path / "bar.png", time=1e-4)
-    assert "0 cutting edges" in said
 
 
 def test_a_blunt_body_before_a_cutting_one_stops_no_free_cut():

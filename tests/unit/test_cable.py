@@ -158,31 +158,6 @@ def test_first_step_pulls_along_m_whatever_the_onset_and_then_along_w():
     assert np.abs(result.couple).max() < 1e-20
 
 
-@pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
-def test_moments_sum_to_the_named_couple(pose):
-    cables, state = jointed_cables(pose)
-    x, c = state.node.x, state.cable
-    # A fourth cable that stays straight and a joint with a short branch.
-    far = pose[0] @ [2.0, 0.0, 0.0] + pose[1]
-    state.node.x[1] = c.joint[0] + [2e-4, -3e-4, 1e-4]
-    c.status[2], c.start_force[2] = STRAIGHT, [0.1, -0.2, 0.3]
-    state.node.x[4:6] = far, far + np.array([0.004, 0.003, -0.002])
-    c.opening_max[2] = 0.0
-    forces, result = evaluate(cables, state, pose)
-    assert c.status[2] == STRAIGHT
-    assert np.linalg.norm(c.joint[0] - x[1]) < LAW.short_branch
-    force = forces.sum(axis=0) + result.wrench[0, :3]
-    moment = np.cross(x[:6], forces).sum(axis=0)
-    moment += result.wrench[0, 3:] + np.cross(pose[1], result.wrench[0, :3])
-    # Round-off: forces of 0.5 N at positions of some mm.
-    assert np.abs(force).max() < 1e-14
-    np.testing.assert_allclose(moment, result.couple, rtol=0, atol=1e-14)
-    assert np.abs(result.couple).max() > 1e-5
-    # sigma_F A delta_0 of a straight cable, and of a branch its length.
-    named = LAW.strength * AREA * (LAW.onset + LAW.short_branch) + 0.4 * 0.006
-    assert np.linalg.norm(result.couple) < named
-
-
 def test_short_branch_keeps_its_last_direction():
     cables, state = jointed_cables(HERE)
     evaluate(cables, state)
@@ -231,9 +206,9 @@ def test_joint_is_a_matter_of_positions(minus, plus, met, pose):
 @pytest.mark.parametrize("tool", [BLADE, tooth_ring()], ids=["blade", "teeth"])
 @pytest.mark.parametrize("pose", [HERE, FAR], ids=["here", "far"])
 def test_the_joint_is_on_the_edge_beside_where_the_cable_crosses_the_mid_plane(tool, pose):
-    """Wherever on the cable that is, and however it lies: forty cables, each by itself."""
-    rng, found = np.random.default_rng(5), []
-    for _ in range(40):
+    """Wherever on the cable that is, and however it lies: twenty cables, each by itself."""
+    rng, off = np.random.default_rng(5), []
+    for _ in range(20):
         k = int(rng.integers(tool.n_edge))
         start, stop = tool.vertices[tool.edges[k]]
         along, normal = (stop - start) / np.linalg.norm(stop - start), tool.edge_normal[k]
@@ -242,10 +217,8 @@ def test_the_joint_is_on_the_edge_beside_where_the_cable_crosses_the_mid_plane(t
         way = normal + rng.uniform(-0.5, 0.5) * along + rng.uniform(-0.02, 0.02) * tool.edge_back[k]
         share, size = rng.uniform(0.02, 0.98), rng.uniform(0.01, 0.1)
         minus, plus = crossing - share * size * way, crossing + (1.0 - share) * size * way
-        cables, state = (
-            CableSet(LAW, tool),
-            state_with(pose.to_space(np.array([minus, plus])), m=pose.rotation @ normal),
-        )
+        cables = CableSet(LAW, tool)
+        state = state_with(pose.to_space(np.array([minus, plus])), m=pose.rotation @ normal)
         evaluate(cables, state, pose)
         c = state.cable
         assert c.edge[0] == k
@@ -253,28 +226,22 @@ def test_the_joint_is_on_the_edge_beside_where_the_cable_crosses_the_mid_plane(t
         np.testing.assert_allclose(c.joint_body[0], joint, atol=1e-12)
         np.testing.assert_allclose(c.joint[0], pose.to_space(joint[None])[0], atol=1e-12)
         assert c.joint_slack[0] == pytest.approx(slack, abs=1e-12)
-        found.append(np.linalg.norm(joint - crossing))
-    np.testing.assert_allclose(found, 0.01, rtol=1e-9)
+        off.append(np.linalg.norm(joint - crossing))
+    np.testing.assert_allclose(off, 0.01, rtol=1e-9)
 
 
 def test_joint_is_made_when_the_edge_passes_and_the_law_goes_on():
     state = state_with(([0.0, -0.15, 0.4], [0.0, 0.05, 0.4]))
-    cables = CableSet(LAW, BLADE)
+    cables, c = CableSet(LAW, BLADE), state.cable
     evaluate(cables, state, at(-0.004, 0, 0))
-    assert state.cable.status[0] == STRAIGHT
-    straight = state.cable.opening[0]
+    assert c.status[0] == STRAIGHT
+    straight = c.opening[0]
     _, result = evaluate(cables, state, at(0.006, 0, 0))
-    c = state.cable
     assert result.n_joint_made == 1
     np.testing.assert_allclose(c.joint[0], [0.006, 0, 0.4], atol=1e-15)
-    np.testing.assert_allclose(c.joint_body[0], [0, 0, 0.4], atol=1e-15)
-    assert c.overshoot[0] == pytest.approx(0.006, rel=1e-12)
     # The bend of the overshoot is slack, not opening.
     assert c.opening[0] == pytest.approx(straight, abs=1e-14)
-    assert c.joint_slack[0] == pytest.approx(
-        np.hypot(0.15, 0.006) + np.hypot(0.05, 0.006) - straight, abs=1e-14
-    )
-    # From now on the joint goes with the tool, and there is never a second one.
+    # The joint goes with the tool, and there is never a second one.
     _, result = evaluate(cables, state, at(0.5, 0, 0))
     assert result.n_joint_made == 0
     np.testing.assert_allclose(c.joint[0], [0.5, 0, 0.4], atol=1e-15)
@@ -283,45 +250,24 @@ def test_joint_is_made_when_the_edge_passes_and_the_law_goes_on():
 
 
 def test_each_tooth_gets_its_own_wrench():
-    tool = tooth_ring()
-    cables = CableSet(LAW, tool)
-    pairs = []
+    tool, pairs = tooth_ring(), []
     for body in range(4):
         k = np.flatnonzero(tool.edge_body == body)[2]
         p = tool.point(int(k), 0.5) + 0.01 * tool.edge_back[k]
         pairs.append((p - 0.2 * tool.edge_normal[k], p + 0.1 * tool.edge_normal[k]))
     state = state_with(*pairs)
-    for k, (minus, plus) in enumerate(pairs):
-        state.cable.m[k] = (plus - minus) / np.linalg.norm(plus - minus)
-    forces, result = evaluate(cables, state)
-    assert (state.cable.status[:4] == JOINTED).all()
+    across = np.diff(pairs, axis=1)[:, 0]
+    state.cable.m[:4] = across / np.linalg.norm(across, axis=1)[:, None]
+    forces, result = evaluate(CableSet(LAW, tool), state)
     assert (tool.edge_body[state.cable.edge[:4]] == [0, 1, 2, 3]).all()
-    np.testing.assert_allclose(
-        result.wrench[:, :3], -forces.reshape(4, 2, 3).sum(axis=1), atol=1e-14
-    )
-    np.testing.assert_allclose(
-        result.wrench[:, 3:], np.cross(state.cable.joint[:4], result.wrench[:, :3]), atol=1e-12
-    )
-    # The joint is on the cutting edge, where the cable had crossed it.
-    for k in range(4):
-        middle = pairs[k][0] * (1 / 3) + pairs[k][1] * (2 / 3)
-        assert np.linalg.norm(state.cable.joint[k] - middle) == pytest.approx(0.01, rel=1e-3)
+    push = -forces.reshape(4, 2, 3).sum(axis=1)
+    assert np.abs(push).max() > 0.01
+    np.testing.assert_allclose(result.wrench[:, :3], push, atol=1e-14)
+    moment = np.cross(state.cable.joint[:4], push)
+    np.testing.assert_allclose(result.wrench[:, 3:], moment, atol=1e-12)
 
 
 # --- work --------------------------------------------------------------------------------------
-
-
-def pull(cables, state, velocities, n, tool_velocity=(0, 0, 0), start=(0.0, 0, 0)):
-    """Move nodes and tool at constant velocity for n steps of 1 µs; return the tool's place."""
-    place = np.array(start, dtype=float)
-    for _ in range(n):
-        state.node.velocity_half[:2] = velocities
-        state.node.x[:2] += 1e-6 * np.array(velocities)
-        place += 1e-6 * np.array(tool_velocity)
-        state.dt = 1e-6
-        state.time += 1e-6
-        evaluate(cables, state, at(*place))
-    return place
 
 
 @pytest.mark.parametrize("joint", ["adhesion", "free"])
@@ -342,22 +288,26 @@ def test_a_new_joint_takes_up_what_the_tool_gives(joint):
     assert result.friction_work == 0.0
 
 
-@pytest.mark.parametrize("area", [1.0, 12.0, 30.0])
-@pytest.mark.parametrize("opened", [0.02, 0.4, 1.6])
-@pytest.mark.parametrize("back", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("area", "opened", "back"),
+    [(1.0, 0.02, 0.0), (12.0, 0.02, 0.3), (1.0, 1.6, 0.3), (30.0, 0.4, 0.3), (12.0, 1.6, 0.0)],
+)
 def test_an_edge_severs_a_cable_at_its_own_area_and_the_books_hold_the_rest(area, opened, back):
     """Torn open by ``opened``, unloaded by a part of it, then met and drawn out by the blade."""
     law = CohesiveLaw(cutting_energy=area)
     state = state_with(([0, 0, 0], [0, 0, 0]))
     state.cable.edge[0] = NOT_MET
-    cables, place, n = CableSet(law, BLADE), [-4.0, 0.0, 0.0], 2000
+    cables, place = CableSet(law, BLADE), np.array([-4.0, 0.0, 0.0])
     evaluate(cables, state, at(*place))
+    state.dt = 1e-6
 
-    def moved(by, way=0.0):
-        rate = 5e5 * by / n
-        place[:] = pull(
-            cables, state, [[0, -rate, 0], [0, rate, 0]], n, (1e6 * way / n, 0, 0), place
-        )
+    def moved(by, way=0.0, n=2000):
+        step = 0.5 * by / n * np.array([[0, -1.0, 0], [0, 1.0, 0]])
+        state.node.velocity_half[:2] = step / state.dt
+        for _ in range(n):
+            state.node.x[:2] += step
+            place[0] += way / n
+            evaluate(cables, state, at(*place))
 
     def booked():
         assert state.cable.work[0] == pytest.approx(sum(cables.energies(state)), rel=3e-3)
@@ -370,8 +320,7 @@ def test_an_edge_severs_a_cable_at_its_own_area_and_the_books_hold_the_rest(area
     moved(0.0, 3.999)
     moved(0.0, 0.002)
     booked()  # on the law of the edge, or severed at once
-    n = 6000
-    moved(0.0, 4.0)
+    moved(0.0, 4.0, 6000)
     c, whole, cut = state.cable, law.parameters(), law.at_edge(0.0).parameters()
     assert c.status[0] == BROKEN
     shed = area_below(most, whole) - area_below(most, cut)
@@ -383,56 +332,6 @@ def test_an_edge_severs_a_cable_at_its_own_area_and_the_books_hold_the_rest(area
     booked()
 
 
-def test_a_cable_that_no_edge_meets_takes_the_whole_law():
-    state = state_with(([0, 0, 0], [0, 0, 0]))
-    state.cable.edge[0] = NOT_MET
-    cables = CableSet(CohesiveLaw(cutting_energy=5.0), BLADE)
-    evaluate(cables, state, at(-9.0, 0.0, 0.0))
-    pull(cables, state, [[0, 0, 0], [0, 1e3, 0]], 4010, start=(-9.0, 0.0, 0.0))
-    assert state.cable.status[0] == BROKEN
-    assert cables.energies(state)[1] == pytest.approx(43.5 * AREA, rel=1e-12)
-    assert state.cable.work[0] == pytest.approx(43.5 * AREA, rel=1e-3)
-
-
-def test_work_of_an_evaluation_is_the_sum_over_the_cables():
-    cables, state = jointed_cables(HERE)
-    state.dt = 1e-6
-    state.node.velocity_half[:6] = np.random.default_rng(0).uniform(-1e3, 1e3, (6, 3))
-    before = state.cable.work[:3].copy()
-    old = state.cable.force[:3].copy()
-    joints = state.cable.joint[:3].copy()
-    _, result = evaluate(cables, state, at(0.001, 0, 0))
-    assert result.work == pytest.approx((state.cable.work[:3] - before).sum(), rel=1e-12)
-    mean = 0.5 * (old + state.cable.force[:3])
-    v = state.node.velocity_half[:6].reshape(3, 2, 3)
-    by_hand = -1e-6 * (mean * v).sum()
-    by_hand += (mean.sum(axis=1) * (state.cable.joint[:3] - joints)).sum()
-    assert result.work == pytest.approx(by_hand, rel=1e-12)
-    assert result.work != 0.0
-
-
-def test_equilibrium_start_force_fades_and_its_work_is_booked_apart():
-    start = np.array([0.05, -0.1, 0.2])
-    state = state_with(([0, 0, 0], [0, 0, 0]))
-    state.cable.start_force[0] = start
-    cables = CableSet(LAW, None)
-    forces, _ = evaluate(cables, state)
-    np.testing.assert_allclose(forces[0], [0.05, -0.1 + 18 * AREA, 0.2], rtol=1e-13)
-    np.testing.assert_allclose(forces[1], -forces[0])
-    w = np.array([0.3, 0.9, -0.3]) / np.sqrt(0.99)
-    speed = 50.0
-    pull(cables, state, [[0, 0, 0], speed * w], 1200)  # 0.06 mm: gone at 0.05
-    forces, _ = evaluate(cables, state)
-    pulled = state.cable.traction[0] * AREA
-    assert np.linalg.norm(forces[0]) == pytest.approx(pulled, rel=1e-12)
-    # Closed form for w along the length: start · w times half of 0.05 mm; delta_0 m turns d a bit.
-    assert state.cable.start_work[0] == pytest.approx(
-        0.5 * LAW.start_opening * (start @ w), rel=0.02
-    )
-    stored, dissipated = cables.energies(state)
-    assert state.cable.work[0] == pytest.approx(stored + dissipated, rel=1e-3)
-
-
 def test_the_start_force_works_by_what_is_left_of_it_over_each_step():
     """Two cables are opened, closed and opened on in long steps; all four ends move."""
     m, starts = np.array([0.0, 1.0, 0.0]), np.array([[0.05, -0.1, 0.2], [-0.3, 0.05, 0.1]])
@@ -440,6 +339,7 @@ def test_the_start_force_works_by_what_is_left_of_it_over_each_step():
     state.cable.start_force[:2] = starts
     cables, rng = CableSet(LAW, None), np.random.default_rng(4)
     before, _ = evaluate(cables, state)
+    np.testing.assert_allclose(before[::2], starts + LAW.strength * AREA * m, rtol=1e-13)
     state.dt, largest, works = 1e-6, np.zeros(2), []
     for way in (0.012, 0.015, -0.02, 0.016, -0.01, 0.019, 0.025, 0.2, 0.1):
         moves = 0.2 * abs(way) * rng.standard_normal((2, 2, 3))
@@ -468,33 +368,30 @@ def test_the_start_force_works_by_what_is_left_of_it_over_each_step():
 # --- stiffness for the stable step -------------------------------------------------------------
 
 
-def numeric_stiffness(cables, state, pose, node):
+def numeric_stiffness(cables, state, node):
     """Largest eigenvalue of the derivative of one node's force by its own position."""
-    x, delta = state.node.x.copy(), 1e-8
+    x, delta, K = state.node.x.copy(), 1e-8, np.zeros((3, 3))
     saved = {k: getattr(state.cable, k).copy() for k in ("opening_max", "status", "branch")}
-    K = np.zeros((3, 3))
+
+    def force_at(place):
+        for name, value in saved.items():
+            getattr(state.cable, name)[:] = value
+        state.node.x[:] = place
+        return evaluate(cables, state)[0][node]
+
     for j in range(3):
-        ends = []
-        for step in (delta, -delta):
-            for name, value in saved.items():
-                getattr(state.cable, name)[:] = value
-            state.node.x[:] = x
-            state.node.x[node, j] += step
-            ends.append(evaluate(cables, state, pose)[0][node])
-        K[:, j] = -(ends[0] - ends[1]) / (2 * delta)
-    for name, value in saved.items():
-        getattr(state.cable, name)[:] = value
-    state.node.x[:] = x
-    evaluate(cables, state, pose)
+        moved = np.zeros_like(x)
+        moved[node, j] = delta
+        K[:, j] = -(force_at(x + moved) - force_at(x - moved)) / (2 * delta)
+    force_at(x)
     return np.linalg.eigvalsh(0.5 * (K + K.T))[-1]
 
 
 def test_stiffness_bounds_the_true_one():
-    severed = CohesiveLaw(cutting_energy=30.0)
     for cables, state in (
         (CableSet(LAW, None), random_cables()),
         jointed_cables(HERE),
-        jointed_cables(HERE, law=severed),
+        jointed_cables(HERE, law=CohesiveLaw(cutting_energy=30.0)),
     ):
         state.time = 1.0  # not newborn
         evaluate(cables, state, HERE)
@@ -502,7 +399,7 @@ def test_stiffness_bounds_the_true_one():
         live = np.flatnonzero(state.cable.status[: state.n_cable] != BROKEN)
         assert nodes.tolist() == [n for k in live for n in (2 * k, 2 * k + 1)]
         for node, limit in zip(nodes, bound, strict=True):
-            true = numeric_stiffness(cables, state, HERE, node)
+            true = numeric_stiffness(cables, state, node)
             # A straight cable counts twice, for its two ends may move against each other.
             factor = 2.0 if state.cable.status[node // 2] == STRAIGHT else 1.0
             assert factor * true <= limit * (1 + 1e-4)

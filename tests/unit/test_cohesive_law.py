@@ -60,55 +60,39 @@ def test_traction_matches_the_naive_twin(law):
         assert envelope(ell, law.parameters()) == law.traction(ell)
 
 
-def test_a_cable_unloads_along_the_secant_to_the_origin():
-    law = CohesiveLaw()
-    assert law.traction(0.5, 1.0) == pytest.approx(6.0)
-    assert law.traction(0.0, 1.0) == 0.0
-    # Below the onset the secant is capped: 18 MPa over 5e-3 mm.
-    wanted = naive.envelope(1.1e-3, law) - 18.0 / 5e-3 * 1e-3
-    assert law.traction(1e-4, 1.1e-3) == pytest.approx(wanted)
-
-
-def path_work(law, path, n=40_001):
-    """Work per area along a piecewise straight path of openings, and the largest opening."""
-    work, largest = 0.0, path[0]
-    for start, end in itertools.pairwise(path):
-        ell = np.linspace(start, end, n)
-        history = np.maximum.accumulate(np.concatenate([[largest], ell]))[1:]
-        stress = np.array([law.traction(*pair) for pair in zip(ell, history, strict=True)])
-        work += np.trapezoid(stress, ell)
-        largest = history[-1]
-    return work, largest
-
-
 PATHS = {
-    "monotone": [0.0, 4.0],
     "over the end": [0.0, 4.6],
     "cyclic": [0.0, 0.3, 0.0, 0.3, 2.0, 1.1, 2.5, 0.0, 3.5, 3.2, 3.5],
     "small cycle": [0.0, 0.004, 0.001, 0.009, 0.002],
     "unloaded": [0.0, 1.0, 0.97],
 }
+PAPER_AND_TABLES = pytest.mark.parametrize(
+    "law", [CohesiveLaw(), *TABLES.values()], ids=["the paper's", *TABLES]
+)
 
 
-@pytest.mark.parametrize("law", [CohesiveLaw(), *TABLES.values()], ids=["the paper's", *TABLES])
+@PAPER_AND_TABLES
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS)
 def test_stored_and_dissipated_are_the_work(path, law):
-    work, largest = path_work(law, path, n=4_001)
+    work, largest = 0.0, 0.0
+    for start, end in itertools.pairwise(path):
+        ell = np.linspace(start, end, 1_001)
+        most = np.maximum(np.maximum.accumulate(ell), largest)
+        stress = [law.traction(*pair) for pair in zip(ell, most, strict=True)]
+        work, largest = work + np.trapezoid(stress, ell), most[-1]
     stored, dissipated = energies(law, path[-1], largest)
-    # Trapezoids of 4000 a leg, at most a step of 1e-3 mm at a kink: 18 MPa · 1e-3 mm a leg.
+    # Trapezoids of 1000 a leg: a few steps of 5e-3 mm at kinks.
     assert stored + dissipated == pytest.approx(work, abs=1e-4 * law.fracture_energy)
 
 
-@pytest.mark.parametrize("law", [CohesiveLaw(), *TABLES.values()], ids=["the paper's", *TABLES])
+@PAPER_AND_TABLES
 def test_dissipation_never_falls_and_what_is_stored_comes_back(law):
     booked = [energies(law, ell, ell)[1] for ell in np.linspace(0.01, 4.0, 200)]
     assert (np.diff(booked) >= -1e-12).all()
     for largest in (0.2, 1.0, 3.4):
         stored, before = energies(law, largest, largest)
-        work, _ = path_work(law, [largest, 0.0], n=20_001)
-        after = energies(law, 0.0, largest)
-        assert after == (pytest.approx(0.0, abs=1e-12), pytest.approx(before))
-        assert -work == pytest.approx(stored, rel=1e-3)
+        assert stored > 0.0
+        assert energies(law, 0.0, largest) == (pytest.approx(0.0, abs=1e-12), pytest.approx(before))
 
 
 def test_each_maker_has_the_energy_of_its_closed_form():
@@ -148,25 +132,20 @@ def test_birth_energy_is_repaid():
 
 # A law with a low plateau, and one of little more than a drop, end in other ways than the paper's.
 CUT_OFF = {
-    "paper": {},
-    "low plateau": {"plateau": 3.0, "opening_p": 1.0},
-    "no drop": {"strength": 12.0},
-    "triangle": {
-        "strength": 24.0,
-        "plateau": 12.0,
-        "opening_a": 1.0,
-        "opening_p": 1.0,
-        "opening_u": 2.0,
-    },
+    "paper": CohesiveLaw(),
+    "low plateau": CohesiveLaw(plateau=3.0, opening_p=1.0),
+    "no drop": CohesiveLaw(strength=12.0),
+    "triangle": CohesiveLaw(
+        strength=24.0, plateau=12.0, opening_a=1.0, opening_p=1.0, opening_u=2.0
+    ),
 }
 
 
-@pytest.mark.parametrize("name", CUT_OFF)
-def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(name):
-    whole = CohesiveLaw(**CUT_OFF[name])
+@pytest.mark.parametrize("whole", CUT_OFF.values(), ids=CUT_OFF)
+def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(whole):
     least = 0.05 * whole.fracture_energy
     law = replace(whole, cutting_energy=least, severing_pressure=300.0)
-    radii = np.linspace(0.0, 1.3 * law.blunt_radius, 800)
+    radii = np.linspace(0.0, 1.3 * law.blunt_radius, 150)
     cut = [law.at_edge(r) for r in radii]
     expected = np.minimum(whole.fracture_energy, least + 600.0 * radii)
     # Round-off: the corners come of a quadratic equation.
@@ -179,9 +158,9 @@ def test_the_law_at_an_edge_ends_at_the_area_that_the_edge_severs_at(name):
     assert steps.max() < 2.0 / whole.plateau * 600.0 * radii[1] * (1.0 + 1e-9)
     share = [one.openings[-2] / one.opening_u for one in cut if len(one.openings) == 4]
     np.testing.assert_allclose(share, whole.opening_p / whole.opening_u, rtol=1e-12)
-    for one, area in zip(cut[::80], expected[::80], strict=True):
+    for one, area in zip(cut[::15], expected[::15], strict=True):
         plain = naive.severed(whole, area)
-        for ell in np.linspace(0.0, whole.opening_u, 200):
+        for ell in np.linspace(0.0, whole.opening_u, 50):
             below = one.traction(ell)
             assert below == pytest.approx(naive.envelope(ell, plain), abs=1e-9 * whole.strength)
             assert below <= whole.traction(ell) + 1e-12 * whole.strength
@@ -194,7 +173,7 @@ def test_an_edge_cuts_off_any_law(name):
     whole = TABLES[name]
     energy, ells = whole.fracture_energy, np.linspace(0.0, whole.opening_u, 2_000)
     envelope, before = np.interp(ells, *naive.corners(whole)), np.zeros_like(ells)
-    for area in np.linspace(0.05, 0.999, 160) * energy:
+    for k, area in enumerate(np.linspace(0.05, 0.999, 160) * energy):
         one = replace(whole, cutting_energy=area, onset=1e-4).at_edge(0.0)
         assert one.fracture_energy == pytest.approx(area, rel=1e-12)
         stress = np.interp(ells, one.openings, one.tractions)
@@ -205,22 +184,15 @@ def test_an_edge_cuts_off_any_law(name):
         grown = np.trapezoid(stress - before, ells)
         assert grown < (0.06 if not before.any() else 0.007) * energy
         before = stress
+        if name == "two steps":
+            continue
         leaves = max(len(one.openings) - 2, 0)
-        assert one.openings[: leaves - 1] == whole.openings[: leaves - 1] or name == "two steps"
-
-
-@pytest.mark.parametrize("name", ["linear", "bilinear", "exponential"])
-def test_a_table_that_is_cut_off_matches_the_naive_twin(name):
-    whole = TABLES[name]
-    for share in (0.05, 0.3, 0.7, 0.95):
-        area = share * whole.fracture_energy
-        one = replace(whole, cutting_energy=area, onset=1e-4).at_edge(0.0)
-        plain = naive.severed(whole, area)
-        for ell in np.linspace(0.0, whole.opening_u, 200):
-            # The twin searches among places.
-            assert one.traction(ell) == pytest.approx(
-                naive.envelope(ell, plain), abs=1e-4 * whole.strength
-            )
+        assert one.openings[: leaves - 1] == whole.openings[: leaves - 1]
+        if k % 40 == 10:
+            plain = naive.severed(whole, area)
+            wanted = [naive.envelope(ell, plain) for ell in ells[::40]]
+            # The plain reference searches among places.
+            np.testing.assert_allclose(stress[::40], wanted, atol=1e-4 * whole.strength)
 
 
 def test_a_law_that_no_edge_cuts_off_stays_itself():
@@ -235,62 +207,52 @@ def test_a_law_that_no_edge_cuts_off_stays_itself():
     assert blunt.at_edge(0.051) == law
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"plateau": 20.0}, ["must decrease", "plateau 20.0 MPa", "strength 18.0"]),
-        ({"opening_a": 3.5}, ["must decrease", "opening_a <= opening_p", "3.5, 3.0, 4.0"]),
-        ({"opening_p": 4.0}, ["opening_p < opening_u"]),
-        ({"onset": 0.5}, ["onset must be small beside opening_u = 4 mm, a tenth at most, got 0.5"]),
-        ({"plateau": 20.0, "opening_p": 5.0}, ["plateau 20.0", "0.5, 5.0, 4.0"]),
-        ({"severing_pressure": 300.0}, ["severing_pressure needs cutting_energy"]),
-        ({"cutting_energy": 1000.0}, ["cutting_energy must not exceed", "43.5 N/mm, got 1000.0"]),
-        ({"cutting_energy": 0.5}, ["cut off at cutting_energy = 0.5", "onset must be small"]),
-    ],
-)
-def test_refusals_say_what_must_hold(changes, words):
-    with pytest.raises(ValueError, match=r"must|needs") as refusal:
-        CohesiveLaw(**changes)
-    for word in words:
-        assert word in str(refusal.value)
+def table_of(openings, tractions):
+    return lambda: CohesiveTable(openings=openings, tractions=tractions)
 
 
-NAN = float("nan")
+def bilinear(**changes):
+    numbers = {"strength": 18.0, "knee_opening": 1.0, "knee_traction": 2.0, "opening_u": 4.0}
+    return lambda: CohesiveTable.bilinear(**numbers | changes)
 
 
-@pytest.mark.parametrize(
-    ("openings", "tractions", "words"),
-    [
-        ([0, 1, 1, 2], [18, 12, 8, 0], ["openings must start at 0 and rise, got 1 mm in row 3"]),
-        ([0.1, 1], [18, 0], ["openings must start at 0 and rise, got 0.1 mm in row 1"]),
-        ([0, NAN, 2], [18, 2, 0], ["openings must be finite, got nan mm in row 2"]),
-        ([0, 1, np.inf], [18, 2, 0], ["openings must be finite, got inf mm in row 3"]),
-        ([0, 1], [18, 2], ["tractions must end with 0, got 2 MPa in row 2"]),
-        ([0, 1, 2], [18, -3, 0], ["tractions must be positive, got -3 MPa in row 2"]),
-        ([0, 1, 2], [18, 0, 0], ["tractions must be positive, got 0 MPa in row 2"]),
-        ([0, 1], [0, 0], ["tractions must be positive, got 0 MPa in row 1"]),
-        ([0, 1, 2], [18, NAN, 0], ["tractions must be positive, got nan MPa in row 2"]),
-        ([0, 1, 2], [18, 20, 0], ["tractions must not rise", "part first", "20 MPa in row 2"]),
-        ([0.5, 1], [18, 2], ["got 0.5 mm in row 1", "got 2 MPa in row 2"]),
-        ([0, 1, 2], [18, 0], ["the same number of points, at least 2, got 3 and 2"]),
-        ([0], [0], ["the same number of points, at least 2, got 1 and 1"]),
-        ([0, "1"], [18, 0], ["openings must be numbers, got"]),
-        ([0, 0.04], [18, 0], ["onset must be small beside opening_u = 0.04 mm"]),
-    ],
-)
-def test_a_table_that_is_no_law_is_refused_by_row(openings, tractions, words):
-    with pytest.raises(ValueError, match="must") as refusal:
-        CohesiveTable(openings=openings, tractions=tractions)
-    for word in words:
-        assert word in str(refusal.value)
+REFUSED = [
+    (lambda: CohesiveLaw(plateau=20.0), "must decrease.*plateau 20.0 MPa.*strength 18.0"),
+    (lambda: CohesiveLaw(opening_a=3.5), "decrease.*opening_a <= opening_p.*3.5, 3.0, 4.0"),
+    (lambda: CohesiveLaw(opening_p=4.0), "opening_p < opening_u"),
+    (lambda: CohesiveLaw(onset=0.5), "small beside opening_u = 4 mm, a tenth at most, got 0.5"),
+    (lambda: CohesiveLaw(plateau=20.0, opening_p=5.0), "plateau 20.0.*0.5, 5.0, 4.0"),
+    (lambda: CohesiveLaw(severing_pressure=300.0), "severing_pressure needs cutting_energy"),
+    (lambda: CohesiveLaw(cutting_energy=1000.0), "must not exceed.*43.5 N/mm, got 1000.0"),
+    (lambda: CohesiveLaw(cutting_energy=0.5), "cutting_energy = 0.5.*onset must be small"),
+    (lambda: CohesiveLaw(joint="slip"), "needs a joint_friction that is positive, got 0.0"),
+    (lambda: CohesiveLaw(joint="slip", joint_friction=np.inf), "0 or more and finite, got inf"),
+    (lambda: CohesiveLaw(joint="free", joint_friction=0.1), "friction belongs to joint = 'slip'"),
+    (lambda: CohesiveLaw(joint_friction=0.1), "got 0.1 with joint = 'adhesion'"),
+    (table_of([0, 1, 1, 2], [18, 12, 8, 0]), "must start at 0 and rise, got 1 mm in row 3"),
+    (table_of([0.1, 1], [18, 0]), "openings must start at 0 and rise, got 0.1 mm in row 1"),
+    (table_of([0, np.nan, 2], [18, 2, 0]), "openings must be finite, got nan mm in row 2"),
+    (table_of([0, 1], [18, 2]), "tractions must end with 0, got 2 MPa in row 2"),
+    (table_of([0, 1, 2], [18, -3, 0]), "tractions must be positive, got -3 MPa in row 2"),
+    (table_of([0, 1], [0, 0]), "tractions must be positive, got 0 MPa in row 1"),
+    (table_of([0, 1, 2], [18, np.nan, 0]), "tractions must be positive, got nan MPa in row 2"),
+    (table_of([0, 1, 2], [18, 20, 0]), "must not rise.*part first.*20 MPa in row 2"),
+    (table_of([0.5, 1], [18, 2]), "got 0.5 mm in row 1.*got 2 MPa in row 2"),
+    (table_of([0, 1, 2], [18, 0]), "the same number of points, at least 2, got 3 and 2"),
+    (table_of([0], [0]), "the same number of points, at least 2, got 1 and 1"),
+    (table_of([0, "1"], [18, 0]), "openings must be numbers, got"),
+    (table_of([0, 0.04], [18, 0]), "onset must be small beside opening_u = 0.04 mm"),
+    (bilinear(knee_opening=5.0), "knee_opening < opening_u, .* got 5.0 and 4.0 mm"),
+    (bilinear(knee_traction=20.0), "knee_traction <= strength, .* 20.0 and 18.0 MPa"),
+    (
+        lambda: CohesiveTable.exponential(strength=18.0, fracture_energy=0.0),
+        "fracture_energy must be positive",
+    ),
+    (bilinear(onsett=0.1), "no argument onsett; did you mean onset"),
+]
 
 
-def test_makers_refuse_by_name():
-    with pytest.raises(ValueError, match=r"knee_opening < opening_u, .* got 5.0 and 4.0 mm"):
-        CohesiveTable.bilinear(strength=18.0, knee_opening=5.0, knee_traction=2.0, opening_u=4.0)
-    with pytest.raises(ValueError, match=r"knee_traction <= strength, .* 20.0 and 18.0 MPa"):
-        CohesiveTable.bilinear(strength=18.0, knee_opening=1.0, knee_traction=20.0, opening_u=4.0)
-    with pytest.raises(ValueError, match="fracture_energy must be positive"):
-        CohesiveTable.exponential(strength=18.0, fracture_energy=0.0)
-    with pytest.raises(ValueError, match="no argument onsett; did you mean onset"):
-        CohesiveTable.linear(strength=18.0, opening_u=4.0, onsett=0.1)
+@pytest.mark.parametrize(("make", "said"), REFUSED)
+def test_what_is_no_law_is_refused(make, said):
+    with pytest.raises(ValueError, match=f"(?s){said}"):
+        make()

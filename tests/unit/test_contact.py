@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 import shellcut as sc
 from far_pose import FAR
-from naive import cases
 from naive import contact as naive
 from shellcut import Contact, Elastic, Layer, ShellMaterial
 from shellcut.contact.penalty_contact import PenaltyContact
@@ -33,6 +32,8 @@ FILM = ShellMaterial.homogeneous(thickness=0.074)
 EDGE = 0.4  # length of a quad's edge [mm]
 G_M = 0.074 / 4
 AREA = 0.04
+ALPHA = np.radians(10.0)  # half-angle of the blade's wedge
+SLOPE, COSINE = np.tan(ALPHA), np.cos(ALPHA)
 SETTLED = 1e3  # a depth so large that one that is found is no jump: the film is there already
 
 
@@ -55,6 +56,15 @@ def evaluate(contact, state, pose=HERE):
     state.node.force[:] = 0.0
     contact.add_forces(state, pose)
     return state.node.force[: state.n_node].copy(), contact.forces
+
+
+def blade_contact():
+    return PenaltyContact(BLADE, Contact(), FILM, EDGE)
+
+
+def size(depth):
+    """Force of the standard law on a node at a depth [N]."""
+    return 1e4 * AREA * naive.smoothed(depth, G_M)
 
 
 def points_in_and_around(tool, n, seed):
@@ -126,83 +136,76 @@ def test_the_nodes_that_count_in_the_step_are_those_near_the_tool_however_it_lie
         assert away[counted].max() < 3.0**0.5 * (way + 2.0 * cell)
 
 
+def resting(mesh, places):
+    """A state of a film whose nodes are anywhere, and have been there."""
+    state = initial_state(mesh)
+    state.node.x[: mesh.n_node] = places
+    state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
+    state.dt = 0.0
+    return state
+
+
 def film_beside(sign, gap=0.005, behind=0.3):
     """A film on one side of the mid-plane whose edge node has slipped over it by ``gap``."""
     mesh = rectangle(2.0, 0.8, n_x=5, n_y=2)
-    if sign > 0:
-        y = mesh.nodes[:, 1] + 0.4 - gap
-        node = 2
-    else:
-        y = mesh.nodes[:, 1] - 0.4 + gap
-        node = 2 + 2 * 6
-    x = mesh.nodes[:, 0] - mesh.nodes[node, 0] - behind
-    mesh = cases.moved_mesh(mesh, np.column_stack([x, y]))
-    state = initial_state(mesh)
-    state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
-    state.dt = 0.0
-    return state, node
+    node = 2 if sign > 0 else 2 + 2 * 6
+    return resting(mesh, mesh.nodes - mesh.nodes[node] - [behind, sign * gap, 0.0]), node
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_fan_decides_the_side_where_the_nearest_face_is_wrong(sign):
     state, node = film_beside(sign)
-    assert np.sign(state.node.x[node, 1]) == -sign  # nearest: the other face
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+    n, contact = state.node, blade_contact()
+    assert np.sign(n.x[node, 1]) == -sign  # nearest: the other face
     forces, _ = evaluate(contact, state)
-    assert state.node.contact_side[node] == sign
+    assert n.contact_side[node] == sign
     assert forces[node, 1] * sign > 0
     depth = (0.3 * np.tan(np.radians(10)) + 0.005) * np.cos(np.radians(10))
-    assert state.node.contact_depth[node] == pytest.approx(depth, rel=1e-9)
+    assert n.contact_depth[node] == pytest.approx(depth, rel=1e-9)
     # The side is kept while the node is inside, even if its quads should move over...
-    other = state.node.x[:, 1].copy()
-    state.node.x[:, 1] = np.where(np.arange(len(other)) == node, other, -other)
+    other = n.x[:, 1].copy()
+    n.x[:, 1] = np.where(np.arange(len(other)) == node, other, -other)
     evaluate(contact, state)
-    assert state.node.contact_side[node] == sign
+    assert n.contact_side[node] == sign
     # ...and forgotten outside.
-    state.node.x[node, 0] = 0.5
+    n.x[node, 0] = 0.5
     evaluate(contact, state)
-    assert state.node.contact_side[node] == 0
-    assert state.node.contact_depth[node] == 0.0
+    assert (n.contact_side[node], n.contact_depth[node]) == (0, 0.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_node_with_quads_on_both_sides_takes_the_nearest_face(sign):
+    mesh, node = rectangle(2.0, 0.8, n_x=5, n_y=2), 2 + 6
+    state = resting(mesh, mesh.nodes - mesh.nodes[node] + [-0.3, sign * 0.004, 0.0])
+    evaluate(blade_contact(), state)
+    assert state.node.contact_side[node] == sign
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_lip_that_comes_in_through_the_far_face_starts_without_load(sign):
     # Up to a tenth of an edge over the mid-plane it still belongs to its quads' side. The wedge is
     # twice as thick as the lip is far over: all of this is set aside, and none of it presses.
-    slope, way = np.tan(np.radians(10.0)), 2e-6  # the blade goes on by so much [mm]
+    way = 2e-6  # the blade goes on by so much [mm]
     for edges, own_side in ((0.095, True), (0.105, False)):
         gap = edges * EDGE
-        state, node = film_beside(sign, gap=gap, behind=gap / slope - 0.5 * way)
-        state.dt = 0.0
-        contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+        state, node = film_beside(sign, gap=gap, behind=gap / SLOPE - 0.5 * way)
+        n, contact = state.node, blade_contact()
         evaluate(contact, state)
-        n = state.node
         assert n.contact_side[node] == 0  # beside the far face still
         forces, _ = evaluate(contact, state, Pose(np.eye(3), np.array([way, 0.0, 0.0])))
         assert n.contact_side[node] == (sign if own_side else -sign)
-        depth = 2.0 * gap * np.cos(np.radians(10.0)) if own_side else 0.0
+        depth = 2.0 * gap * COSINE if own_side else 0.0
         assert n.contact_depth[node] == pytest.approx(depth, abs=way)
         assert n.contact_offset[node] == pytest.approx(depth, abs=way)
         # If that depth pressed, it would do so with 30 N; half the way gives 1e-11 N, f is cubic.
         assert np.linalg.norm(forces[node]) < 1e-9
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-def test_node_with_quads_on_both_sides_takes_the_nearest_face(sign):
-    mesh = rectangle(2.0, 0.8, n_x=5, n_y=2)
-    node = 2 + 6
-    place = mesh.nodes.copy() - mesh.nodes[node] + [-0.3, sign * 0.004, 0.0]
-    state = initial_state(cases.moved_mesh(mesh, place))
-    state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
-    evaluate(PenaltyContact(BLADE, Contact(), FILM, EDGE), state)
-    assert state.node.contact_side[node] == sign
-
-
 @pytest.mark.parametrize("outside", [True, False])
-@pytest.mark.parametrize("n_teeth", [1, 2, 4])
+@pytest.mark.parametrize("n_teeth", [2, 4])
 def test_a_tooth_across_the_ring_claims_no_node(n_teeth, outside):
     # The strip of every tooth's mid-plane goes on across the ring and has the other sign there.
-    tool = tooth_ring(n_teeth=n_teeth, edge_inclination_deg=90.0)
+    tool, out = tooth_ring(n_teeth=n_teeth, edge_inclination_deg=90.0), 1.0 if outside else -1.0
     for body in range(n_teeth):
         k = int(np.flatnonzero(tool.edge_body == body)[4])
         # 0.18 mm behind its own edge, it is some 0.02 mm behind that of the tooth across.
@@ -210,15 +213,12 @@ def test_a_tooth_across_the_ring_claims_no_node(n_teeth, outside):
         radial = p * [1, 1, 0] / np.hypot(p[0], p[1])
         tangent = np.cross([0, 0, 1], radial)
         # The node has slipped over to the face that its quads do not lie on.
-        out = 1.0 if outside else -1.0
         p = p + (9.4 - out * 0.003 - np.hypot(p[0], p[1])) * radial
         mesh = rectangle(1.2, 0.4, n_x=3, n_y=1)
         corner = 1 if outside else 1 + 4
         local = mesh.nodes - mesh.nodes[corner]
-        state = initial_state(mesh)
         # x of the sheet runs clockwise seen from above, its y outwards: director down.
-        state.node.x[: mesh.n_node] = p - local[:, :1] * tangent + local[:, 1:2] * radial
-        state.node.contact_area[:], state.node.contact_depth[:] = AREA, SETTLED
+        state = resting(mesh, p - local[:, :1] * tangent + local[:, 1:2] * radial)
         forces, _ = evaluate(PenaltyContact(tool, Contact(), FILM, EDGE), state)
         assert state.node.contact_side[corner] == out, body
         assert out * (forces[corner] @ radial) > 0
@@ -234,12 +234,10 @@ def push(state, contact, v, dt, pose=HERE):
 
 def jumped(depth=0.04):
     """A node that a split has put into the blade at a depth: state and contact."""
-    state = nodes_at([[-1.0, np.tan(np.radians(10.0)) - depth / np.cos(np.radians(10.0)), 0.0]])
+    state = nodes_at([[-1.0, SLOPE - depth / COSINE, 0.0]])
     state.node.contact_depth[:] = 0.0
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
-    forces, result = evaluate(contact, state)
-    assert not forces.any()
-    assert result.stored == 0.0
+    contact = blade_contact()
+    evaluate(contact, state)
     assert state.node.contact_offset[0] == pytest.approx(depth)
     return state, contact
 
@@ -261,8 +259,8 @@ def test_what_a_jump_loads_is_paid_by_who_moves(tool_moves):
     # The node goes back along the flank, swings, and comes half of the way back again: its energy
     # is a function of its place in the tool, the force the gradient, and the works add up to it.
     (state, contact), dt = jumped(), 1e-7
-    a = np.radians(10.0)
-    outward, along = np.array([np.sin(a), np.cos(a), 0.0]), np.array([-np.cos(a), np.sin(a), 0.2])
+    outward = np.array([np.sin(ALPHA), COSINE, 0.0])
+    along = np.array([-COSINE, np.sin(ALPHA), 0.2])
     place, offset = state.node.x[0].copy(), state.node.contact_offset[0]
     p, old, shift, work, most = place.copy(), np.zeros(3), np.zeros(3), 0.0, 0.0
 
@@ -297,60 +295,47 @@ def test_what_a_jump_loads_is_paid_by_who_moves(tool_moves):
 @pytest.mark.parametrize("travel", [1e-4, 0.02, 0.1])
 def test_what_a_node_flies_into_a_face_is_loaded_at_once(travel):
     # Whatever it goes in a step: it is no jump, and not to load it would let the node through.
-    slope = np.tan(np.radians(10.0))
-    state = nodes_at([[-1.0, slope + 0.5 * travel, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+    state, contact = nodes_at([[-1.0, SLOPE + 0.5 * travel, 0.0]]), blade_contact()
     evaluate(contact, state)
     for step in range(1, 4):
         forces, _ = push(state, contact, (0.0, -travel / 1e-7, 0.0), 1e-7)
-        depth = (step - 0.5) * travel * np.cos(np.radians(10.0))
+        depth = (step - 0.5) * travel * COSINE
         if depth > 0.15:  # beyond the mid-plane
             break
-        size = 1e4 * AREA * naive.smoothed(depth, G_M)
-        assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
+        assert np.linalg.norm(forces[0]) == pytest.approx(size(depth), rel=1e-9)
         assert state.node.contact_offset[0] == 0.0
 
 
 def test_what_the_tool_moves_is_loaded_at_once():
-    slope = np.tan(np.radians(10.0))
-    state = nodes_at([[-1.0, slope + 0.01, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+    state, contact = nodes_at([[-1.0, SLOPE + 0.01, 0.0]]), blade_contact()
     state.dt = 1e-7
     evaluate(contact, state)
     forces, _ = evaluate(contact, state, Pose(np.eye(3), np.array([0.0, 0.06, 0.0])))
-    size = 1e4 * AREA * naive.smoothed(0.05 * np.cos(np.radians(10.0)), G_M)
-    assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
+    assert np.linalg.norm(forces[0]) == pytest.approx(size(0.05 * COSINE), rel=1e-9)
     # Turned about its own edge, too: 0.05 rad at 1 mm are 0.05 mm, and the turn is remembered.
-    c, s = np.cos(0.05), np.sin(0.05)
-    turned = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned = Rotation.from_rotvec([0.0, 0.0, -0.05]).as_matrix()
     evaluate(contact, state, Pose(turned, np.array([0.0, 0.06, 0.0])))
     assert state.node.contact_depth[0] > 0.09
     assert state.node.contact_offset[0] == 0.0
 
 
 def test_growth_without_motion_is_a_jump_from_a_fifth_of_g_m_on():
-    slope = np.tan(np.radians(10.0))
-    state = nodes_at([[-1.0, slope - 0.0035, 0.0]])
+    state, contact = nodes_at([[-1.0, SLOPE - 0.0035, 0.0]]), blade_contact()
     state.node.contact_depth[:], state.dt = 0.0, 1e-9
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
     assert NOTICED == 0.2
     for y in (0.0035, 0.007, 0.0105):
-        state.node.x[0, 1] = slope - y
+        state.node.x[0, 1] = SLOPE - y
         forces, _ = evaluate(contact, state)
-        size = 1e4 * AREA * naive.smoothed(y * np.cos(np.radians(10.0)), G_M)
-        assert np.linalg.norm(forces[0]) == pytest.approx(size, rel=1e-9)
+        assert np.linalg.norm(forces[0]) == pytest.approx(size(y * COSINE), rel=1e-9)
     assert state.node.contact_offset[0] == 0.0
     # A jump later on takes the growth of that step only.
-    state.node.x[0, 1] = slope - 0.06
+    state.node.x[0, 1] = SLOPE - 0.06
     evaluate(contact, state)
-    added = (0.06 - 0.0105) * np.cos(np.radians(10.0))
-    assert state.node.contact_offset[0] == pytest.approx(added, rel=1e-3)
+    assert state.node.contact_offset[0] == pytest.approx((0.06 - 0.0105) * COSINE, rel=1e-3)
 
 
 def test_a_node_that_has_come_out_is_felt_again_at_once():
-    slope = np.tan(np.radians(10.0))
-    state = nodes_at([[-1.0, slope - 0.06, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+    state, contact = nodes_at([[-1.0, SLOPE - 0.06, 0.0]]), blade_contact()
     state.node.contact_depth[:] = 0.0
     evaluate(contact, state)
     assert state.node.contact_offset[0] > 0.05
@@ -359,29 +344,27 @@ def test_a_node_that_has_come_out_is_felt_again_at_once():
     forces, _ = push(state, contact, (0.0, -0.03 / 1e-9, 0.0), 1e-9)
     # It is nearer to where it jumped, so the offset has grown a little.
     offset = 0.01 * np.exp(0.5 * (0.05**2 - 0.02**2) / (0.5 * EDGE) ** 2)
-    cosine = np.cos(np.radians(10.0))
-    size = 1e4 * AREA * naive.smoothed((0.04 - offset) * cosine, G_M)
-    assert forces[0, 0] == pytest.approx(size * np.sin(np.radians(10.0)), rel=1e-3)
-    slope = -offset * cosine * 0.02 / (0.5 * EDGE) ** 2
-    assert forces[0, 1] == pytest.approx(size * (cosine + slope), rel=1e-3)
+    pressed = size((0.04 - offset) * COSINE)
+    assert forces[0, 0] == pytest.approx(pressed * np.sin(ALPHA), rel=1e-3)
+    slope = -offset * COSINE * 0.02 / (0.5 * EDGE) ** 2
+    assert forces[0, 1] == pytest.approx(pressed * (COSINE + slope), rel=1e-3)
 
 
-@pytest.mark.parametrize("stiff", [0.5, 1.0, 1.5, 2.0])
-@pytest.mark.parametrize("speed", [0.5, 1.0, 3.0, 10.0])
+@pytest.mark.parametrize("stiff", [0.5, 2.0])
+@pytest.mark.parametrize("speed", [0.5, 1.0, 10.0])
 def test_a_node_that_hits_a_face_does_not_come_back_faster(speed, stiff):
     # Speed in g_M a step; stiffness k dt² / m, which the bound on the step holds below 4 / (27/16).
     dt = 1e-7
     mass = 1e4 * AREA * dt**2 / stiff
-    slope = np.tan(np.radians(10.0))
-    outward = np.array([np.sin(np.radians(10.0)), np.cos(np.radians(10.0)), 0.0])
+    outward = np.array([np.sin(ALPHA), COSINE, 0.0])
     come_back = []
     for phase in np.linspace(0.05, 0.95, 10):
         v = -speed * G_M / dt * outward
-        start = np.array([-1.0, slope, 0.0]) - phase * dt * v
+        start = np.array([-1.0, SLOPE, 0.0]) - phase * dt * v
         state = nodes_at([start], far=[50.0, 1.0, 0.3])
         state.node.mass[:] = state.node.contact_mass[:] = mass
         state.dt = 0.0
-        contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+        contact = blade_contact()
         evaluate(contact, state)
         first = v @ v
         for step in range(100):
@@ -398,14 +381,10 @@ def test_a_node_that_hits_a_face_does_not_come_back_faster(speed, stiff):
 
 
 def test_work_is_the_trapezoid_also_when_a_node_leaves():
-    state = nodes_at([[-1.0, 0.15, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
+    state, contact = nodes_at([[-1.0, 0.15, 0.0]]), blade_contact()
     old, _ = evaluate(contact, state)
     v = np.array([3.0, 40.0, -1.0])
-    state.node.velocity_half[0] = v
-    state.dt = 1e-4
-    state.node.x[0] += state.dt * v
-    new, result = evaluate(contact, state)
+    new, result = push(state, contact, v, 1e-4)
     assert result.node_work == pytest.approx(0.5e-4 * (old[0] + new[0]) @ v, rel=1e-12)
     state.step = 1  # of a run: the list of near nodes lasts
     state.node.x[0, 1] = 5.0  # out of the tool
@@ -438,6 +417,8 @@ def test_what_a_look_remembers_changes_round_off_only(tool):
         before = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         forces, result = evaluate(contact, state)
         remembered += np.count_nonzero(contact.tables.table.queries.across >= 0)
+        if step % 7 not in (0, 1, 4):
+            continue
         after = {name: getattr(state.node, f"contact_{name}").copy() for name in kept}
         for name, rows in before.items():
             getattr(state.node, f"contact_{name}")[:] = rows
@@ -454,47 +435,20 @@ def test_what_a_look_remembers_changes_round_off_only(tool):
     assert remembered > 300
 
 
-def test_a_node_that_a_split_leaves_without_a_side_looks_for_it_anew():
-    state = nodes_at([[-1.0, 0.06, 0.0]])
-    contact = PenaltyContact(BLADE, Contact(), FILM, EDGE)
-    evaluate(contact, state)
-    state.node.x[0, 1] = -0.06
-    evaluate(contact, state)
-    assert state.node.contact_side[0] == 1  # kept across the mid-plane
-    state.revision += 1
-    state.node.contact_side[0] = 0
-    evaluate(contact, state)
-    assert state.node.contact_side[0] == -1
-
-
 # --- the penalty law of the contact, and what it follows
 
 
-def test_force_law_is_continuous_in_value_and_slope():
-    g = np.linspace(0, 2 * G_M, 20_001)
+def test_the_force_law_is_that_of_the_paper_and_has_its_steepest_slope():
+    g = np.linspace(0.0, 2.0 * G_M, 20_001)
     f = np.array([smoothed(v, G_M) for v in g])
-    assert f[0] == 0.0
-    assert smoothed(0.3, G_M) == 0.3
+    assert f[::500] == pytest.approx([naive.smoothed(v, G_M) for v in g[::500]], rel=1e-13)
+    area = [smoothed_integral(v, G_M) for v in g[::500]]
+    assert area == pytest.approx([naive.smoothed_integral(v, G_M) for v in g[::500]], rel=1e-13)
     slope = np.diff(f) / np.diff(g)
     # A jump of the slope would be a jump of one; its steps are below 1e-3.
     assert np.abs(np.diff(slope)).max() < 1e-3
-    assert slope[0] == pytest.approx(0.0, abs=1e-6)
-    assert slope[-1] == pytest.approx(1.0, rel=1e-9)
     # Steepest at ¾ g_M: 9 (3/4)² - 8 (3/4)³ = 27/16.
     assert slope.max() == pytest.approx(STEEPEST, rel=1e-6)
-    assert g[np.argmax(slope)] == pytest.approx(0.75 * G_M, rel=1e-2)
-    assert [naive.smoothed(v, G_M) for v in g[::500]] == pytest.approx(f[::500], rel=1e-13)
-
-
-def test_integral_of_the_force_law():
-    for end in (0.3 * G_M, G_M, 1.7 * G_M, 10 * G_M):
-        g = np.linspace(0, end, 4001)
-        area = np.trapezoid([smoothed(v, G_M) for v in g], g)
-        # Trapezoids: second order in 1/4000.
-        assert smoothed_integral(end, G_M) == pytest.approx(area, rel=1e-5)
-    assert smoothed_integral(G_M * (1 - 1e-12), G_M) == pytest.approx(
-        smoothed_integral(G_M, G_M), rel=1e-10
-    )
 
 
 def law(thickness=0.074, young=1678.0, density=1e-9, tool=BLADE, **contact):
@@ -502,17 +456,10 @@ def law(thickness=0.074, young=1678.0, density=1e-9, tool=BLADE, **contact):
     return PenaltyLaw.of(Contact(**contact), film, tool)
 
 
-def test_the_film_of_the_paper_has_the_numbers_of_the_paper():
-    paper = law(tool=tooth_ring())
-    assert paper.penalty == 1e4
-    assert paper.smoothing_depth == 0.074 * 0.25
-
-
-@pytest.mark.parametrize("thickness", [0.005, 0.02, 0.3, 1.0])
-@pytest.mark.parametrize("young", [50.0, 1678.0, 70000.0])
+@pytest.mark.parametrize(("thickness", "young"), [(0.005, 50.0), (0.3, 1678.0), (1.0, 70000.0)])
 def test_depth_and_step_do_not_depend_on_thickness_and_modulus(thickness, young):
     # A node of the film, on quads of 0.4 mm, pushed by what tears the film at 1 % of strain.
-    area, length, density = 0.04, 0.4, 2.7e-9
+    area, length = 0.04, 0.4
 
     def depth_and_step(of, thickness, young, density):
         k = of.of_nodes(area)
@@ -522,10 +469,24 @@ def test_depth_and_step_do_not_depend_on_thickness_and_modulus(thickness, young)
         return depth, math.sqrt(mass / k) / wave
 
     paper = depth_and_step(law(), 0.074, 1678.0, 1e-9)
-    other = depth_and_step(law(thickness, young, density), thickness, young, density)
+    other = depth_and_step(law(thickness, young, 2.7e-9), thickness, young, 2.7e-9)
     assert other == pytest.approx(paper, rel=1e-12)
     assert paper[0] < 2e-3  # mm
     assert paper[1] > 0.5  # of the time in which a wave crosses a quad
+
+
+def test_penalty_and_smoothing_follow_the_film_and_stay_small_beside_the_tool():
+    paper = law(tool=tooth_ring())
+    assert (paper.penalty, paper.smoothing_depth) == (1e4, 0.074 * 0.25)
+    thin_blade = straight_blade(half_thickness=0.02, wedge_half_angle_deg=3.0)
+    assert law(tool=thin_blade).smoothing_depth < 0.02 / 8
+    assert law(0.02, smoothing=0.1).smoothing_depth == 0.002
+    film = ShellMaterial(
+        [Layer(Elastic(70000.0, 0.3, 2.7e-9), 0.01), Layer(Elastic(300.0, 0.3, 0.9e-9), 0.09)]
+    )
+    own = PenaltyLaw.of(Contact(), film, BLADE)
+    assert own.penalty == pytest.approx(1e4 * 727.0 / (1678.0 * 0.074), rel=1e-12)
+    assert own.smoothing_depth == pytest.approx(BLADE.half_thickness() / 8, rel=1e-12)  # < h/4
 
 
 def test_stiffness_is_bounded_for_the_finest_and_the_coarsest_quads():
@@ -534,30 +495,8 @@ def test_stiffness_is_bounded_for_the_finest_and_the_coarsest_quads():
     steepest = own.steepest(area)
     expected = [SOFTEST * stretching, 100.0, 400.0, 2500.0, STIFFEST * stretching]
     assert steepest == pytest.approx(STEEPEST * np.array(expected), rel=1e-13)
-    one = [float(own.of_nodes(a)) for a in area]
-    assert one == pytest.approx(expected, rel=1e-13)
     # A penalty of one's own is what it says, of every quad.
-    given = law(penalty=2e4)
-    assert given.steepest(area) == pytest.approx(STEEPEST * 2e4 * area, rel=1e-13)
-    assert given.of_nodes(1e-5) == 2e4 * 1e-5
-
-
-def test_smoothing_follows_the_film_and_stays_small_beside_the_tool():
-    assert law(0.02).smoothing_depth == 0.005
-    thick = law(1.0)
-    assert thick.smoothing_depth == BLADE.half_thickness() / 8
-    thin_blade = straight_blade(half_thickness=0.02, wedge_half_angle_deg=3.0)
-    assert law(tool=thin_blade).smoothing_depth < 0.02 / 8
-    assert law(0.02, smoothing=0.1).smoothing_depth == 0.002
-
-
-def test_a_laminate_counts_by_its_layers():
-    film = ShellMaterial(
-        [Layer(Elastic(70000.0, 0.3, 2.7e-9), 0.01), Layer(Elastic(300.0, 0.3, 0.9e-9), 0.09)]
-    )
-    own = PenaltyLaw.of(Contact(), film, BLADE)
-    assert own.penalty == pytest.approx(1e4 * 727.0 / (1678.0 * 0.074), rel=1e-12)
-    assert own.smoothing_depth == pytest.approx(BLADE.half_thickness() / 8, rel=1e-12)  # < h/4
+    assert law(penalty=2e4).steepest(area) == pytest.approx(STEEPEST * 2e4 * area, rel=1e-13)
 
 
 @pytest.mark.parametrize("put_in", [0.0, 0.2])
@@ -568,12 +507,8 @@ def test_the_largest_rebound_gives_back_what_was_put_in(put_in):
     assert next_way < 0.0  # it comes out
     got = put_in + 0.5 * (before + f) * way
     assert got + 0.5 * f * next_way == pytest.approx(0.0, abs=1e-14)
-
-
-def test_a_spring_that_has_got_nothing_gives_nothing():
-    assert largest_rebound(0.0, -0.1, 0.0, 1.0, 0.1) == 0.0
-    assert largest_rebound(-0.25, -0.1, 0.0, 1e-3, 0.1) == 0.0
-    # A node that comes in at rest may be turned round: 2 m v / dt.
+    # A spring that has got nothing gives nothing, but may turn a node round: 2 m v / dt.
+    assert largest_rebound(-put_in, -0.1, 0.0, 1e-3, 0.1) == 0.0
     assert largest_rebound(0.0, 0.2, 0.0, 1e-3, 0.1) == pytest.approx(2e-3 * 2.0 / 0.1)
 
 

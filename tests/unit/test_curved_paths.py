@@ -5,10 +5,9 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll, moved
+from free_strip import path_in
 from naive.crack_path import place_of
 from shellcut.contact.film_outline import first_at_places
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
 from shellcut.fracture.tip import Tip
@@ -17,17 +16,18 @@ from shellcut.mesh.structured import rectangle
 SIZE = 0.5
 
 
+def film_and_path(mesh):
+    """Return a simulation without tool, and what finds the paths of its cracks."""
+    law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
+    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
+    return sim, path_in(sim)
+
+
 def rolled(angle, radius):
-    """Return a simulation without tool of a strip of 6 by 4 mm on a cylinder."""
+    """Return the same for a strip of 6 by 4 mm on a cylinder, with the cylinder and the strip."""
     strip = moved(rectangle(6.0, 4.0, size=SIZE), "random", 0.2, SIZE)
     roll = Roll(angle, radius)
-    sim = sc.Simulation(
-        roll.mesh(strip),
-        sc.ShellMaterial.homogeneous(),
-        law=sc.CohesiveLaw(),
-        fracture=sc.Fracture(path="free"),
-    )
-    return sim, roll, strip
+    return *film_and_path(roll.mesh(strip)), roll, strip
 
 
 def inner_tips(sim, roll):
@@ -45,10 +45,9 @@ def inner_tips(sim, roll):
 
 @pytest.mark.parametrize("radius", [1e9, 4.0])
 def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
-    sim, roll, _ = rolled(30.0, radius)
-    path, tips = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell)), inner_tips(sim, roll)
+    sim, path, roll, _ = rolled(30.0, radius)
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    for tip in tips:
+    for tip in inner_tips(sim, roll):
         at, heading = place_of(path, sim.state, tip)
         # In the tangent plane ahead it is the heading but for its part across that plane, which is
         # no more than the angle that two quads make.
@@ -61,12 +60,10 @@ def test_a_heading_goes_on_into_the_next_quad_and_turns_with_the_film(radius):
         np.testing.assert_array_equal(turned.T, at.T)
 
 
-@pytest.mark.parametrize("fold_deg", [60.0, 120.0, 170.0])
-@pytest.mark.parametrize("aside", [-0.05, 0.0, 0.05])
+@pytest.mark.parametrize(("fold_deg", "aside"), [(60.0, 0.05), (120.0, 0.0), (170.0, -0.05)])
 def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_deg, aside):
     mesh = rectangle(6.0, 4.0, size=SIZE)
-    law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
-    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
+    sim, path = film_and_path(mesh)
     (node,) = mesh.nodes_where(lambda x, y, z: np.hypot(x - 2.5, y) < 1e-9)
     heading = np.array([1.0, aside, 0.0]) / np.hypot(1.0, aside)
     tip = Tip((int(node), int(node)), 0.0, -1, heading)
@@ -75,7 +72,6 @@ def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_de
     ahead = mesh.nodes[:, 0] > 2.5
     x = sim.state.node.x
     x[: mesh.n_node][ahead] = mesh.nodes[node] + (mesh.nodes[ahead] - mesh.nodes[node]) @ fold.T
-    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
     _, forward = place_of(path, sim.state, tip)
     np.testing.assert_allclose(forward, fold @ heading, atol=1e-12)
     # A way along the film ahead is found in a row ahead.
@@ -83,11 +79,11 @@ def test_on_film_folded_at_a_tip_the_way_ahead_is_that_of_the_film_ahead(fold_de
     assert mesh.nodes[mesh.quads[segment.row], 0].mean() > 2.5
 
 
-@pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
+@pytest.mark.parametrize("angle", [0.0, 30.0])
 def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     # A strain that is uniform in the sheet, its principal axes at 45 degrees to the cylinder's: the
     # mean of stresses in planes that lean against each other would turn the direction by degrees.
-    sim, roll, strip = rolled(angle, 2.5)
+    sim, path, roll, strip = rolled(angle, 2.5)
     stretch = np.array([[1.010, 0.004], [0.004, 1.008]])
     u, v = (strip.nodes[:, :2] @ stretch).T
     x, t = roll.onto(u, v)
@@ -95,7 +91,6 @@ def test_directions_do_not_know_that_the_sheet_is_rolled(angle):
     node.x[: len(x)], node.t[: len(t)] = x, t
     _, vectors = np.linalg.eigh(stretch)
     across = vectors[:, 0] * np.sign(vectors[0, 0])
-    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
     # Above the strength the stress decides alone.
     free = FreeDirection(sim.shell, path.film, sc.CohesiveLaw(strength=12.0))
     for tip in inner_tips(sim, roll):
@@ -119,13 +114,5 @@ def test_the_film_of_a_sliver_shows_clear_of_its_flank():
 
 def test_contact_sees_a_crossing_once_whichever_way_the_quads_go_round():
     nodes = np.array([[4, 5, 7, 6], [6, 7, 9, 8], [4, 5, 7, 6], [1, 2, 3, 4], [6, 7, 9, 8]])
-    weight = np.array(
-        [
-            [0.0, 0.0, 0.3, 0.7],
-            [0.7, 0.3, 0.0, 0.0],
-            [0.2, 0.3, 0.1, 0.4],
-            [1.0, 0.0, 0.0, 0.0],
-            [0.6, 0.4, 0.0, 0.0],
-        ]
-    )
-    assert first_at_places(nodes, weight).tolist() == [0, 0, 2, 3, 4]
+    weight = np.array([[0, 0, 3, 7], [7, 3, 0, 0], [2, 3, 1, 4], [10, 0, 0, 0], [6, 4, 0, 0]])
+    assert first_at_places(nodes, 0.1 * weight).tolist() == [0, 0, 2, 3, 4]

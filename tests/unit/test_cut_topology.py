@@ -7,13 +7,11 @@ from shellcut.fracture.cut_topology import CutTopology
 from shellcut.fracture.quad_polygon import (
     FLANK,
     WHOLE,
-    along_side,
     contains,
     density,
     divide,
     on_side,
     share_of,
-    span,
 )
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import quads_of_nodes
@@ -27,45 +25,36 @@ def topology():
 
 
 def quad_at(x, y):
-    corner = MESH.nodes.min(axis=0)
-    centre = MESH.nodes[MESH.quads].mean(axis=1) - corner
+    centre = MESH.nodes[MESH.quads].mean(axis=1) - MESH.nodes.min(axis=0)
     return int(np.argmin(np.hypot(centre[:, 0] - x, centre[:, 1] - y)))
 
 
 def node_at(x, y):
-    corner = MESH.nodes.min(axis=0)
-    return int(np.argmin(np.hypot(*(MESH.nodes - corner - [x, y, 0.0])[:, :2].T)))
+    return int(np.argmin(np.hypot(*(MESH.nodes - MESH.nodes.min(axis=0) - [x, y, 0.0])[:, :2].T)))
 
 
 def across(quad, height=0.5):
     """Return where a line at a height crosses the left and the right side of a quad."""
-    X = MESH.nodes[MESH.quads[quad]]
-    places = []
-    for edge in (0, 1):
-        x = X[:, 0].min() if edge == 0 else X[:, 0].max()
+    X, places = MESH.nodes[MESH.quads[quad]], []
+    for x in (X[:, 0].min(), X[:, 0].max()):
         for side in range(4):
             a, b = X[side], X[(side + 1) % 4]
             if a[0] == b[0] == x:
-                s = height if b[1] > a[1] else 1.0 - height
-                places.append(on_side(side, s))
+                places.append(on_side(side, height if b[1] > a[1] else 1.0 - height))
     return places
 
 
-def n_classes(cuts, x, y):
-    return len(cuts.classes(node_at(x, y)))
+def classes_along(cuts, y):
+    """How many classes the nodes at this height have, from the left to the right."""
+    return [len(cuts.classes(node_at(x, y))) for x in range(4)]
 
 
 def test_a_crack_is_closed_at_its_tip_and_open_behind():
     cuts = topology()
-    cuts.cut(quad_at(0.5, 1.5), *across(quad_at(0.5, 1.5)))
-    assert n_classes(cuts, 0.0, 1.0) == n_classes(cuts, 0.0, 2.0) == 2  # rim
-    assert n_classes(cuts, 1.0, 1.0) == n_classes(cuts, 1.0, 2.0) == 1  # tip
-    cuts.cut(quad_at(1.5, 1.5), *across(quad_at(1.5, 1.5)))
-    assert n_classes(cuts, 1.0, 1.0) == n_classes(cuts, 1.0, 2.0) == 2
-    assert n_classes(cuts, 2.0, 1.0) == n_classes(cuts, 2.0, 2.0) == 1
-    cuts.cut(quad_at(2.5, 1.5), *across(quad_at(2.5, 1.5)))
-    assert all(n_classes(cuts, x, y) == 2 for x in range(4) for y in (1, 2))
-    assert all(n_classes(cuts, x, y) == 1 for x in range(4) for y in (0, 3))
+    for x, wanted in ((0.5, [2, 1, 1, 1]), (1.5, [2, 2, 1, 1]), (2.5, [2, 2, 2, 2])):
+        cuts.cut(quad_at(x, 1.5), *across(quad_at(x, 1.5)))
+        assert classes_along(cuts, 1.0) == classes_along(cuts, 2.0) == wanted
+        assert classes_along(cuts, 0.0) == classes_along(cuts, 3.0) == [1, 1, 1, 1]
     # Of the two classes at each node one has film there.
     for x in range(4):
         real = [cuts.is_real(members) for members in cuts.classes(node_at(x, 1))]
@@ -74,18 +63,16 @@ def test_a_crack_is_closed_at_its_tip_and_open_behind():
 
 def test_cracks_that_miss_each_other_on_a_side_stay_closed():
     cuts = topology()
-    cuts.cut(quad_at(0.5, 1.5), *across(quad_at(0.5, 1.5), 0.3))
-    cuts.cut(quad_at(1.5, 1.5), *across(quad_at(1.5, 1.5), 0.6))
-    assert n_classes(cuts, 1.0, 1.0) == n_classes(cuts, 1.0, 2.0) == 1
+    for x, height in ((0.5, 0.3), (1.5, 0.6)):
+        cuts.cut(quad_at(x, 1.5), *across(quad_at(x, 1.5), height))
+    assert classes_along(cuts, 1.0) == classes_along(cuts, 2.0) == [2, 1, 1, 1]
 
 
 def test_broken_sides_part_the_nodes_between_them():
     cuts = topology()
-    cuts.break_side(node_at(0, 1), node_at(1, 1))
-    assert n_classes(cuts, 0.0, 1.0) == 2
-    assert n_classes(cuts, 1.0, 1.0) == 1
-    cuts.break_side(node_at(1, 1), node_at(2, 1))
-    assert n_classes(cuts, 1.0, 1.0) == 2
+    for x, wanted in ((0, [2, 1, 1, 1]), (1, [2, 2, 1, 1])):
+        cuts.break_side(node_at(x, 1), node_at(x + 1, 1))
+        assert classes_along(cuts, 1.0) == wanted
     assert all(cuts.is_real(members) for members in cuts.classes(node_at(1, 1)))
 
 
@@ -116,13 +103,6 @@ def test_saved_topology_is_the_same():
     assert one.crossings(node_at(1, 1), node_at(1, 2)) == pytest.approx([0.4])
 
 
-def test_places_on_sides():
-    for side in range(4):
-        for s in (0.0, 0.05, 0.3, 1.0):
-            assert along_side(side, on_side(side, s)) == pytest.approx(s, abs=1e-15)
-    assert span(WHOLE, 2) == (0.0, 1.0)
-
-
 def test_shares_of_random_chords_sum_to_one():
     """Also of a distorted, warped quad; each part lies on its own side of the chord."""
     rng = np.random.default_rng(0)
@@ -145,10 +125,3 @@ def test_shares_of_random_chords_sum_to_one():
     shares = [share_of(polygon, density(X)) for polygon in parts]
     assert min(shares) > 0.0
     assert sum(shares) == pytest.approx(1.0, abs=1e-13)
-
-
-def test_a_chord_along_an_edge_is_refused():
-    with pytest.raises(ValueError, match="must divide the polygon in two"):
-        divide(WHOLE, on_side(0, 0.2), on_side(0, 0.7))
-    with pytest.raises(ValueError, match="must lie on the polygon"):
-        divide(WHOLE, (0.0, 0.0), on_side(0, 0.7))

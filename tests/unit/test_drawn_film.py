@@ -33,15 +33,10 @@ def cut():
     return sim
 
 
-def reference_areas(frame):
-    """Area of every polygon of a flat film."""
-    x, y = frame.reference[frame.quads][..., :2].transpose(2, 0, 1)
-    return 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-
-
 def test_polygons_cover_the_film_and_each_has_its_share(cut):
     frame, s = Exposure.of(cut, **WHERE).frame(), cut.state
-    areas = reference_areas(frame)
+    x, y = frame.reference[frame.quads][..., :2].transpose(2, 0, 1)
+    areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
     shares = s.quad.share[: s.n_quad] * cut.mesh.quad_areas()[s.quad.parent[: s.n_quad]]
     # A straight side of the drawing is a curve in xi and eta of a quad that is no parallelogram.
     np.testing.assert_allclose(areas, shares, rtol=5e-3)
@@ -51,12 +46,10 @@ def test_polygons_cover_the_film_and_each_has_its_share(cut):
 
 def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
     frame, s = Exposure.of(cut, **WHERE).frame(), cut.state
-    used = np.unique(frame.quads)
-    assert used.tolist() == list(range(len(frame.points)))
-    flank = s.flank.node[: s.flank.count]
+    assert np.unique(frame.quads).tolist() == list(range(len(frame.points)))
+    flank, real = s.flank.node[: s.flank.count], s.node.real[: s.n_node].copy()
     assert flank.size > 4
-    assert (~s.node.real[: s.n_node]).sum() > 4
-    real = s.node.real[: s.n_node].copy()
+    assert (~real).sum() > 4
     real[flank] = False
     np.testing.assert_array_equal(frame.points[: real.sum()], s.node.x[: s.n_node][real])
 
@@ -92,14 +85,24 @@ def test_crack_is_as_long_as_the_cuts(cut):
     assert min(np.linalg.norm(line[i] - ends[0]) for i in (0, -1)) < 1e-12
 
 
-def test_a_film_cut_through_falls_in_two():
+def test_frames_and_records_of_a_run_come_back_from_the_files(tmp_path):
     sim = cut_strip()
-    sim.cracks.tips.clear()
-    sim.notch((0.0, 1.0, 0.0), (6.0, 1.0, 0.0))
-    quality = cut_quality(Exposure.of(sim, **WHERE).frame())
-    assert len(quality.pieces) == 2
-    assert sum(piece.area for piece in quality.pieces) == pytest.approx(6.0 * 3.2)
-    assert quality.pieces[1].area == pytest.approx(6.0 * 0.6, rel=1e-2)
+    Case("strip", sim, 2.2e-4).run(tmp_path, n_snapshot=2, n_frame=4, curves=False, progress=False)
+    results = sc.read(tmp_path)
+    frame, now = results.frame(-1), Exposure.of(sim, **WHERE).frame()
+    np.testing.assert_array_equal(frame.quads, now.quads)
+    np.testing.assert_array_equal(frame.crack_edges, now.crack_edges)
+    np.testing.assert_allclose(frame.points, now.points, atol=1e-5)
+    assert (is_corner(frame.quads).sum(axis=1) != 4).any()
+    assert (grid_of(frame).types == POLYGON).any()
+    assert len(results.splits["time"]) == len(sim.state.splits) > 4
+    assert set(results.splits["node"]) == {-1}
+    assert set(results.splits["kind"]) <= {"criterion", "blade"}
+    np.testing.assert_allclose(results.splits["Y"], 0.0, atol=0.08)
+    assert results.history["crack_length"][-1] == pytest.approx(sim.state.crack_length)
+    assert results.summary["n_copy"] == sim.state.n_quad - sim.mesh.n_quad
+    texts = " ".join(line["text"] for line in results.summary["verdict"])
+    assert "row of mesh edges" not in texts
 
 
 @pytest.mark.parametrize("material", [None, YIELDING], ids=["linear", "yielding"])
@@ -128,8 +131,6 @@ def test_ends_of_cracks(cut):
     ends = CrackEnds.of(cut, cut.mesh.boundary_nodes())
     np.testing.assert_allclose(ends.director, [[0.0, 0.0, 1.0]], atol=1e-12)
     assert ends.heading(0)[0] > 0.9
-    while not (cut.state.cable.status[: cut.state.n_cable] == JOINTED).any():
-        cut.step()
     ((length, zone, ahead, spare),) = CutFront(cut, 1e-3).rows(cut)
     assert 0.0 < zone < length < cut.state.crack_length
     c = cut.state.cable
@@ -137,40 +138,6 @@ def test_ends_of_cracks(cut):
     edge = c.at_ends(cut.state.node.X)[jointed, 0, 0].max()
     assert ahead == pytest.approx(6.0 - edge, abs=1e-3)
     assert spare > 0.5
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Folder of a whole run, and its simulation."""
-    to = tmp_path_factory.mktemp("run")
-    sim = cut_strip()
-    Case("strip", sim, 2.2e-4).run(to, n_snapshot=2, n_frame=4, curves=False, progress=False)
-    return to, sim
-
-
-def test_frames_come_back_from_the_files(folder):
-    to, sim = folder
-    results = sc.read(to)
-    frame, now = results.frame(-1), Exposure.of(sim, **WHERE).frame()
-    np.testing.assert_array_equal(frame.quads, now.quads)
-    np.testing.assert_array_equal(frame.crack_edges, now.crack_edges)
-    np.testing.assert_allclose(frame.points, now.points, atol=1e-5)
-    assert (is_corner(frame.quads).sum(axis=1) != 4).any()
-    grid = grid_of(frame)
-    assert (grid.types == POLYGON).any()
-
-
-def test_records_of_a_run_with_cuts(folder):
-    to, sim = folder
-    results = sc.read(to)
-    assert len(results.splits["time"]) == len(sim.state.splits) > 4
-    assert set(results.splits["node"]) == {-1}
-    assert set(results.splits["kind"]) <= {"criterion", "blade"}
-    np.testing.assert_allclose(results.splits["Y"], 0.0, atol=0.08)
-    assert results.history["crack_length"][-1] == pytest.approx(sim.state.crack_length)
-    assert results.summary["n_copy"] == sim.state.n_quad - sim.mesh.n_quad
-    texts = " ".join(line["text"] for line in results.summary["verdict"])
-    assert "row of mesh edges" not in texts
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.15], ids=["along sides", "through quads"])

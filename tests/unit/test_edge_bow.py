@@ -8,7 +8,7 @@ import pytest
 from shellcut import read_tool
 from shellcut.contact.tool_points import tool_points
 from shellcut.tool.edge_bow import EdgeBow
-from shellcut.tool.shapes import straight_blade, tooth_ring
+from shellcut.tool.shapes import tooth_ring
 from teeth import arc, disc, rounded, saw, tool_of, tooth, vee
 
 
@@ -59,42 +59,36 @@ def test_an_arc_has_its_radius_however_fine_its_facets(radius, facet):
     assert len(np.unique(bow.arc)) == 1
 
 
-def test_a_disc_is_one_arc_without_tips():
+def test_a_disc_is_one_arc_without_tips_and_a_polygon_has_corners():
     bow = EdgeBow.of(tool_of(disc(4.0, 48)))
     assert not bow.tip.any()
     np.testing.assert_allclose(bow.radius, 4.0, rtol=1e-9)
     assert len(np.unique(bow.arc)) == 1
+    assert EdgeBow.of(tool_of(disc(4.0, 6))).tip.sum() == 6
 
 
-def test_a_rounded_nose_is_an_arc_and_a_polygon_has_corners():
+def test_a_rounded_nose_is_an_arc():
     bow = EdgeBow.of(tool_of(tooth(rounded(0.2, 50.0, 10.0))))
     assert bow.radius.min() == pytest.approx(0.2, rel=1e-9)
     assert bow.tip.sum() == 2
-    hexagon = EdgeBow.of(tool_of(disc(4.0, 6)))
-    assert hexagon.tip.sum() == 6
 
 
 def test_what_curves_in_the_plane_of_the_film_is_straight():
-    # A ring of teeth on a cylinder; a cutter that stands on a closed curve.
     ring = EdgeBow.of(tooth_ring())
     assert ring.tip.sum() == 8
     assert np.isinf(ring.radius).all()
+    # A cutter that stands on a closed curve.
     n = 24
-    angle = 2.0 * np.pi * np.arange(n) / n
+    k, angle = np.arange(n), 2.0 * np.pi * np.arange(n) / n
     ways = np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
     low, out, into = 4.0 * ways, 4.3 * ways + [0.0, 0.0, 2.0], 3.7 * ways + [0.0, 0.0, 2.0]
-    k, j = np.arange(n), (np.arange(n) + 1) % n
+    j = (k + 1) % n
     sides = [(k, j, n + j), (k, n + j, n + k), (k, 2 * n + j, j), (k, 2 * n + k, 2 * n + j)]
     top = [(n + k, n + j, 2 * n + j), (n + k, 2 * n + j, 2 * n + k)]
     triangles = np.vstack([np.stack(t, axis=1) for t in (*sides, *top)])
-    cutter = tool_of((np.vstack([low, out, into]), triangles, np.stack([k, j], axis=1)))
-    bow = EdgeBow.of(cutter)
+    bow = EdgeBow.of(tool_of((np.vstack([low, out, into]), triangles, np.stack([k, j], axis=1))))
     assert not bow.tip.any()
     assert np.isinf(bow.radius).all()
-
-
-def test_a_blade_has_a_tip_at_either_end():
-    assert tips_of(straight_blade(height=3.0))[:, 2].tolist() == [-1.5, 1.5]
 
 
 def test_a_tooth_read_from_stl_has_the_same_points(tmp_path):

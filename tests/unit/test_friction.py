@@ -45,9 +45,13 @@ def step(state, contact, friction, d, pose, entries, dt=DT, on_tool=0.0):
     return state.node.force[0] - pressed, pressed, friction.forces
 
 
+def no_entries():
+    return dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
+
+
 def started(depth=0.05):
     state, contact, friction = on_flank(-1e-3)
-    entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
+    entries = no_entries()
     here = Pose.at_origin()
     step(state, contact, friction, np.zeros(3), here, entries, dt=0.0)
     for _ in range(10):  # by motion: a jump would not press
@@ -116,7 +120,7 @@ def test_a_moving_tool_and_node_agree_with_a_plain_return_mapping():
 
 def test_without_pressure_there_is_no_friction():
     state, contact, friction = on_flank(0.05)
-    entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
+    entries = no_entries()
     for _ in range(2):  # a jump: the node lies in the tool, and nothing presses
         step(state, contact, friction, [1e-3, 0.0, 0.0], Pose.at_origin(), entries, dt=0.0)
         assert state.node.contact_depth[0] > 0.0

@@ -5,7 +5,7 @@ import pytest
 import scipy.optimize
 
 import shellcut as sc
-from blunt_tools import prism
+from blunt_tools import needle, prism
 from far_pose import FAR
 from met_cable import AREA, evaluated, met_cable
 from naive import cable as naive
@@ -56,7 +56,7 @@ def test_a_free_joint_lies_where_the_cable_is_shortest(ends, pose):
     assert np.linalg.norm(on_tool) > 0.1
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("mu", [0.05, 1.0])
 @pytest.mark.parametrize("ends", ENDS)
 def test_a_joint_slips_to_the_limit_of_friction_and_no_farther(ends, mu):
     cables, state = one_cable(slip(mu), (-0.01, -0.3, 3.0), (-0.01, 0.3, 3.0))
@@ -71,16 +71,6 @@ def test_a_joint_slips_to_the_limit_of_friction_and_no_farther(ends, mu):
     for _ in range(3):
         cables.add_forces(state, Pose.at_origin())
     np.testing.assert_array_equal(state.cable.joint_body[0], slipped)
-
-
-def test_a_joint_rests_within_the_limit():
-    mu, z = 0.3, 0.4  # tan(theta) = z / 1 is below mu pi / 2
-    cables, state = one_cable(slip(mu), (-0.001, -0.001, 0.0), (-0.001, 0.001, 0.0))
-    before = state.cable.joint_body[0].copy()
-    forces = evaluated(cables, state, (-1.0, -0.001, z), (-1.0, 0.001, z))
-    np.testing.assert_array_equal(state.cable.joint_body[0], before)
-    assert forces.friction_work == 0.0
-    assert forces.wrench[0, 2] == pytest.approx(z * -forces.wrench[0, 0], rel=1e-9)
 
 
 def dragged(law, xi, n=4000):
@@ -103,8 +93,10 @@ def dragged(law, xi, n=4000):
     return work, friction, cables.energies(state)[1] - begin, state
 
 
-@pytest.mark.parametrize("xi", [0.0, 0.5, 1.0, 2.0])
-@pytest.mark.parametrize("mu", [None, 0.0, 0.2, 0.6])
+@pytest.mark.parametrize(
+    ("mu", "xi"),
+    [(None, 0.5), (None, 2.0), (0.0, 1.0), (0.2, 0.0), (0.2, 2.0), (0.6, 0.5), (0.6, 2.0)],
+)
 def test_slice_and_push_of_one_cable(xi, mu):
     law = {None: sc.CohesiveLaw(), 0.0: FREE}.get(mu) or slip(mu)
     (push, _, along), friction, dissipated, state = dragged(law, xi)
@@ -120,21 +112,19 @@ def test_slice_and_push_of_one_cable(xi, mu):
 
 
 def test_around_the_edge_the_tensions_part_as_euler_says():
-    mu, law = 0.3, slip(0.3)
-    cables, state = one_cable(law, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
-    ratios, friction, by_law = [], 0.0, 0.0
+    mu, n, way = 0.3, 400, 0.2
+    cables, state = one_cable(slip(mu), (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
     ends = np.array([(-0.6, -0.2, 0.0), (-0.6, 0.2, 0.0)])
     evaluated(cables, state, *ends)
     begin = sum(cables.energies(state))
-    n, way = 400, 0.2
     state.dt = 1.0
-    done = 0.0
+    ratios, done, friction, by_law = [], 0.0, 0.0, 0.0
+    # The minus end runs away from the edge, the plus end comes nearer by half as much.
+    step = np.array([(-way / n, 0, 0), (0.5 * way / n, 0, 0)])
+    state.node.velocity_half[:2] = step
     for _ in range(n):
-        # The minus end runs away from the edge, the plus end comes nearer by half as much.
-        step = np.array([(-way / n, 0, 0), (0.5 * way / n, 0, 0)])
         before = state.cable.force[0].copy()
         ends = ends + step
-        state.node.velocity_half[:2] = step
         result = evaluated(cables, state, *ends)
         done -= np.sum(0.5 * (before + state.cable.force[0]) * step)
         friction += result.friction_work
@@ -155,77 +145,46 @@ def test_around_the_edge_the_tensions_part_as_euler_says():
     assert np.divide(*pulls(state)) == pytest.approx(np.exp(-mu * turn), rel=0.05)
 
 
-def test_free_and_adhering_cables_carry_one_stress():
-    for law in (FREE, sc.CohesiveLaw()):
-        cables, state = one_cable(law, (-0.01, -0.3, 0.0), (-0.01, 0.3, 0.0))
-        evaluated(cables, state, (-0.6, -0.2, 0.3), (-0.9, 0.2, 0.1))
-        assert np.divide(*pulls(state)) == pytest.approx(1.0, rel=1e-14)
-
-
-def test_a_joint_goes_on_over_vertices_and_is_held_at_the_open_end():
+def test_a_joint_goes_on_over_vertices_and_stays_at_the_open_end():
     tool = tooth_ring(n_teeth=1, radius=6.0)
     chain = tool.vertices[np.append(tool.edges[:, 0], tool.edges[-1, 1])]
-    first, back = 3, tool.edge_back[3]
-    middle = tool.point(first, 0.5) + 0.01 * back
-    side = 0.2 * tool.edge_normal[first]
+    middle = tool.point(3, 0.5) + 0.01 * tool.edge_back[3]
+    side = 0.2 * tool.edge_normal[3]
     cables, state = one_cable(FREE, middle - side, middle + side, tool=tool)
-    ends = [p + 0.5 * tool.edge_back[8] for p in (tool.point(8, 0.2), tool.point(9, 0.3))]
-    ends = [ends[0] - 0.1 * tool.edge_normal[8], ends[1] + 0.2 * tool.edge_normal[8]]
+    back, normal = tool.edge_back[8], tool.edge_normal[8]
+    minus = tool.point(8, 0.2) + 0.5 * back - 0.1 * normal
+    ends = np.array([minus, tool.point(9, 0.3) + 0.5 * back + 0.2 * normal])
     evaluated(cables, state, *ends)
     assert state.cable.edge[0] in (8, 9)
-
-    def length(s):
-        k = min(int(s), len(chain) - 2)
-        p = chain[k] + (s - k) * (chain[k + 1] - chain[k])
-        return np.linalg.norm(p - ends[0]) + np.linalg.norm(p - ends[1])
-
-    places = np.linspace(0, len(chain) - 1, 200_001)
-    shortest = min(length(s) for s in places)
-    to_joint = np.linalg.norm(np.array(ends) - state.cable.joint_body[0], axis=1).sum()
-    assert to_joint == pytest.approx(shortest, abs=1e-8)
+    s = np.linspace(0.0, 1.0, 10_001)[:, None, None]
+    places = chain[:-1] + s * np.diff(chain, axis=0)
+    lengths = sum(np.linalg.norm(places - end, axis=2) for end in ends)
+    to_joint = np.linalg.norm(ends - state.cable.joint_body[0], axis=1).sum()
+    assert to_joint == pytest.approx(lengths.min(), abs=1e-8)
     blade = straight_blade(height=2.0)
     cables, state = one_cable(FREE, (-0.01, -0.3, 0.5), (-0.01, 0.3, 0.5), tool=blade)
     evaluated(cables, state, (-0.5, -0.3, 1.8), (-0.5, 0.3, 1.8))
     np.testing.assert_allclose(state.cable.joint_body[0], [0, 0, 1.0], atol=1e-15)
 
 
-def test_neighbours_along_the_edges():
-    assert neighbours(None).shape == (0, 2)
-    assert neighbours(BLADE).tolist() == [[-1, -1]]
-    ring = tooth_ring(n_teeth=2)
-    n = ring.n_edge // 2
-    expected = [[k - 1, k + 1] for k in range(2 * n)]
-    expected[0][0] = expected[n - 1][1] = expected[n][0] = expected[-1][1] = -1
-    assert neighbours(ring).tolist() == expected
-    # A square plate with all four upper edges cutting is a closed chain.
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            {"slice_ratio": 1.5, "tool": straight_blade(height=4.0)},
+            r"slides by 2\.25 mm from -2 to 2 mm .* height of 5\.5 mm",
+        ),
+        ({"slice_ratio": np.nan}, "slice_ratio must be finite, got nan"),
+        ({"slice_ratio": 1.0, "tool": needle()}, "slice_ratio needs a cutting edge"),
+    ],
+)
+def test_an_edge_that_leaves_the_film_is_refused(options, said):
+    with pytest.raises(ValueError, match=said):
+        sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, **options)
+
+
+def test_a_square_whose_upper_edges_cut_is_a_closed_chain():
     square = prism([(0, 0), (1, 0), (1, 1), (0, 1)], 0, 1)
     box = sc.Tool.from_triangles(*square, edges=[(4, 5), (5, 6), (6, 7), (7, 4)])
     assert neighbours(box).tolist() == [[3, 1], [0, 2], [1, 3], [2, 0]]
-
-
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"joint": "slip"}, "needs a joint_friction that is positive, got 0.0"),
-        ({"joint": "slip", "joint_friction": np.inf}, "must be 0 or more and finite, got inf"),
-        ({"joint": "free", "joint_friction": 0.1}, "joint_friction belongs to joint = 'slip'"),
-        ({"joint_friction": 0.1}, "got 0.1 with joint = 'adhesion'"),
-    ],
-)
-def test_impossible_joints_are_refused(keys, said):
-    with pytest.raises(ValueError, match=said):
-        sc.CohesiveLaw(**keys)
-
-
-def test_an_edge_that_leaves_the_film_is_refused():
-    with pytest.raises(
-        ValueError, match=r"slides by 2\.25 mm from -2 to 2 mm .* height of 5\.5 mm"
-    ):
-        sc.guillotine(
-            1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.5, tool=straight_blade(height=4.0)
-        )
-    with pytest.raises(ValueError, match="slice_ratio must be finite, got nan"):
-        sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=np.nan)
-    blunt = sc.Tool.from_triangles(BLADE.vertices, BLADE.triangles, edges=np.zeros((0, 2), int))
-    with pytest.raises(ValueError, match="slice_ratio needs a cutting edge"):
-        sc.guillotine(1.0, length=6.0, width=4.0, travel=1.5, slice_ratio=1.0, tool=blunt)
+    assert neighbours(None).shape == (0, 2)

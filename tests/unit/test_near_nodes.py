@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from shellcut.contact.near_nodes import NearNodes
 from shellcut.mesh.structured import rectangle
@@ -9,10 +10,8 @@ from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.motion import ScrewMotion
 from shellcut.tool.pose import Pose
 
-LOW, HIGH = (
-    np.array([[0.0, 0.0, -1.0], [3.0, 1.0, -0.5]]),
-    np.array([[1.0, 2.0, 1.0], [4.0, 2.0, 0.5]]),
-)
+LOW = np.array([[0.0, 0.0, -1.0], [3.0, 1.0, -0.5]])
+HIGH = np.array([[1.0, 2.0, 1.0], [4.0, 2.0, 0.5]])
 MARGIN = 0.4
 MOTION = ScrewMotion(20.0, pitch=2.0, axis=(0, 0, 1), axis_point=(1.0, 0.5, 0.0))
 
@@ -26,15 +25,12 @@ def sheet():
 
 def inside(x, pose, margin):
     """By NumPy: nodes within a margin of any box."""
-    body = (x - pose[1]) @ pose[0]
-    found = [
-        ((body > a - margin) & (body < b + margin)).all(axis=1)
-        for a, b in zip(LOW, HIGH, strict=True)
-    ]
-    return np.flatnonzero(np.any(found, axis=0))
+    body = ((x - pose[1]) @ pose[0])[:, None]
+    found = ((body > LOW - margin) & (body < HIGH + margin)).all(axis=2)
+    return np.flatnonzero(found.any(axis=1))
 
 
-@pytest.mark.parametrize("time", [0.0, 0.01, 0.1])
+@pytest.mark.parametrize("time", [0.0, 0.1])
 def test_all_nodes_within_the_margin_are_listed(time):
     _, state = sheet()
     near = NearNodes(LOW, HIGH, MARGIN)
@@ -52,7 +48,7 @@ def test_the_list_holds_every_node_within_half_the_margin_while_it_lasts():
     rng = np.random.default_rng(4)
     state.dt = 1e-4
     renewals = 0
-    for step in range(400):
+    for step in range(200):
         state.step, state.time = step, step * state.dt
         v = 40.0 * rng.uniform(-1, 1, (mesh.n_node, 3)) + [0, 0, 20.0]
         state.node.velocity_half[: mesh.n_node] = v
@@ -62,7 +58,7 @@ def test_the_list_holds_every_node_within_half_the_margin_while_it_lasts():
         x = state.node.x[: mesh.n_node]
         # Between two looks tool and nodes have gone a little further.
         assert np.isin(inside(x, pose, 0.5 * MARGIN - 10 * 0.02), near.ids).all()
-    assert 3 < renewals < 100
+    assert 3 < renewals < 50
 
 
 def test_a_split_and_another_state_are_searched_at_once():
@@ -88,14 +84,12 @@ def test_the_list_lasts_as_long_as_the_tool_has_not_gone_half_the_margin(turn):
     """A tool that goes 4 mm past film at rest, twenty times half the margin, and then stays."""
     _, state = sheet()
     near, renewals = NearNodes(LOW, HIGH, MARGIN), []
-    rotation = np.array(
-        [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
-    )
+    rotation = Rotation.from_rotvec([0.0, 0.0, turn]).as_matrix()
     state.dt = 1e-6
-    for step in range(6000):
+    for step in range(3000):
         state.step, state.time = step, step * state.dt
-        pose = Pose(rotation, np.array([0.001 * min(step, 4000), 0.0, 0.0]))
+        pose = Pose(rotation, np.array([0.002 * min(step, 2000), 0.0, 0.0]))
         if near.renew(state, pose):
             renewals.append(step)
     assert 20 <= len(renewals) <= 30
-    assert renewals[-1] <= 4000
+    assert renewals[-1] <= 2000

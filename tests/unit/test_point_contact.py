@@ -19,23 +19,15 @@ from shellcut.tool.shapes import straight_blade, tooth_ring
 GAP = 0.01
 
 
-def pricked(
-    tool_points=True,
-    at=(0.37, 0.21),
-    tool=None,
-    friction=0.0,
-    direction=(0.0, 0.0, -1.0),
-    **options,
-):
+def pricked(tool_points=True, friction=0.0, **options):
     """A clamped film of 1 mm quads, and a needle above the inside of one that comes down."""
     mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
-    tool = needle() if tool is None else tool
     return Simulation(
         mesh,
         ShellMaterial.homogeneous(),
         supports=[Support.clamped(mesh.boundary_nodes())],
-        tool=tool.translated((2.0 + at[0], at[1], GAP)),
-        motion=StraightMotion(direction, speed=2000.0, ramp=2e-5),
+        tool=needle().translated((2.37, 0.21, GAP)),
+        motion=StraightMotion((0.0, 0.0, -1.0), speed=2000.0, ramp=2e-5),
         contact=Contact(tool_points=tool_points, friction=friction),
         **options,
     )
@@ -73,13 +65,6 @@ def pressed(points):
     return int(np.flatnonzero(points.carriers.pressure)[0])
 
 
-def stiffness_of(sim, points, row):
-    """k of the point that presses: its part of that of a node."""
-    area = sim.state.node.contact_area[points.carriers.node[row]].mean()
-    share = points.points.share[points.point_of_sheet()[row]]
-    return share * sim.contact.law.of_nodes(area)
-
-
 # ---------------------------------------------------------------- which points
 
 
@@ -95,10 +80,9 @@ def test_a_box_pushes_with_corners_and_edges():
 
 def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     ring = tooth_ring(n_teeth=1)
-    points = tool_points(ring, 0.4)
-    ends = ring.vertices[ring.edges]
-    tip = ends.reshape(-1, 3)[ends.reshape(-1, 3)[:, 2].argmin()]
-    away = np.linalg.norm(points.place - tip, axis=1)
+    points, ends = tool_points(ring, 0.4), ring.vertices[ring.edges]
+    tip = ends[:, :, 2].argmin()
+    away = np.linalg.norm(points.place - ends.reshape(-1, 3)[tip], axis=1)
     assert away.min() == 0.0
     assert points.radius[away.argmin()] == 0.0
     assert points.outward[away.argmin(), 2] < -0.5
@@ -106,16 +90,12 @@ def test_a_cutting_edge_pushes_along_its_length_and_with_its_tips():
     on = np.flatnonzero((points.segment >= 0) & (points.radius > 0.0))
     start, vector = ends[points.segment[on], 0], np.diff(ends, axis=1)[points.segment[on], 0]
     share = ((points.place[on] - start) * vector).sum(axis=1) / (vector**2).sum(axis=1)
-    foot = start + share[:, None] * vector
-    np.testing.assert_allclose(points.place[on], foot, atol=1e-9)
+    np.testing.assert_allclose(points.place[on], start + share[:, None] * vector, atol=1e-9)
     assert ((share > 0.0) & (share < 1.0 + 1e-9)).all()
     blade = tool_points(straight_blade(height=3.0), 0.4)
     z = np.sort(blade.place[np.hypot(blade.place[:, 0], blade.place[:, 1]) < 1e-9, 2])
-    assert abs(z[[0, -1]]).max() == 1.5
     assert np.diff(z).max() < 0.2 + 1e-9
-    at_end = abs(abs(blade.place[blade.radius == 0.0, 2]) - 1.5) < 1e-9
-    assert (blade.radius == 0.0).sum() == 2
-    assert at_end.all()
+    assert sorted(blade.place[blade.radius == 0.0, 2]) == pytest.approx([-1.5, 1.5], abs=1e-9)
 
 
 def test_points_are_spread_and_share_their_stiffness():
@@ -180,35 +160,30 @@ def test_waiting_misses_nothing():
     np.testing.assert_array_equal(waits.state.node.x, looks.state.node.x)
 
 
-def test_a_needle_between_nodes_is_felt_at_first_touch():
+@pytest.mark.parametrize("on", [True, False])
+def test_a_needle_between_nodes_is_felt_at_first_touch(on):
     wires = ToolWires(needle().translated((2.37, 0.21, GAP)))
-    deepest = {}
-    for on in (True, False):
-        sim = pricked(on)
-        touched = None
-        deepest[on] = 0.0
-        while sim.motion.coordinate(sim.state.time) < 0.4:
-            sim.step()
-            if touched is None and sum(t.forces.wrench[0, 2] for t in sim.terms) > 0.0:
-                touched = sim.motion.coordinate(sim.state.time)
-            if sim.state.step % 50 == 0:
-                nowhere = np.zeros(len(sim.state.node.x), bool)
-                _, depth = wires.crossed_quads(sim.state.node.x, sim.state.quads, nowhere, sim.pose)
-                deepest[on] = max(deepest[on], depth.max(initial=0.0))
-        if on:
-            # At the first step beyond the gap, of 0.4 µm.
-            assert GAP <= touched < GAP + 1e-3
-            ledger = sim.close_ledger()
-            assert ledger.tool_work > 0.1
-            assert abs(ledger.imbalance) < 1e-4 * ledger.tool_work
-            # It gives back what it takes: no more is in it than the springs hold.
-            assert ledger.contact_work == pytest.approx(ledger.contact_stored, rel=2e-3)
-            assert felt_nodes(sim.terms).size == 4
-        else:
-            assert touched is None
-    # Half the thickness is 0.037 mm; without, the needle goes through.
-    assert deepest[True] < 0.01
-    assert deepest[False] > 0.3
+    sim, touched, deepest = pricked(on), None, 0.0
+    nowhere = np.zeros(len(sim.state.node.x), bool)
+    while sim.motion.coordinate(sim.state.time) < 0.4:
+        sim.step()
+        if touched is None and sum(t.forces.wrench[0, 2] for t in sim.terms) > 0.0:
+            touched = sim.motion.coordinate(sim.state.time)
+        if sim.state.step % 50 == 0:
+            _, depth = wires.crossed_quads(sim.state.node.x, sim.state.quads, nowhere, sim.pose)
+            deepest = max(deepest, depth.max(initial=0.0))
+    if not on:
+        assert touched is None
+        assert deepest > 0.3  # it goes through; half the thickness is 0.037 mm
+        return
+    assert GAP <= touched < GAP + 1e-3  # at the first step beyond the gap, of 0.4 µm
+    assert deepest < 0.01
+    ledger = sim.close_ledger()
+    assert ledger.tool_work > 0.1
+    assert abs(ledger.imbalance) < 1e-4 * ledger.tool_work
+    # It gives back what it takes: no more is in it than the springs hold.
+    assert ledger.contact_work == pytest.approx(ledger.contact_stored, rel=2e-3)
+    assert felt_nodes(sim.terms).size == 4
 
 
 def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
@@ -238,10 +213,10 @@ def test_a_point_that_slides_over_the_mesh_is_felt_throughout():
     # The tip is drawn over the film in its plane, over sides and a node: its force does not jump.
     sim, _, _, _ = pressing(0.05)
     forces = np.array(
-        [press(sim, 0.05, (d, 0.3 * d)).wrench[0, :3] for d in np.linspace(0.0, 0.9, 1801)]
+        [press(sim, 0.05, (d, 0.3 * d)).wrench[0, :3] for d in np.linspace(0.0, 0.9, 901)]
     )
     assert (forces[:, 2] > 0.0).all()
-    # Steps of 0.5 µm along a film whose slopes are 0.04 at most: 0.02 µm of depth, of some 50 µm.
+    # Steps of 1 µm along a film whose slopes are 0.04 at most: 0.04 µm of depth, of some 50 µm.
     assert np.abs(np.diff(forces, axis=0)).max() < 0.03 * np.abs(forces).max()
 
 
@@ -298,7 +273,10 @@ def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
     found, entries = rubbed(sim, [np.array([x, 0.5 * x, -GAP - depth]) for x in ways])
     k = pressed(term(sim))
     pressure = term(sim).carriers.pressure[k]
-    stiffness = 0.5 * stiffness_of(sim, term(sim), k)
+    # Half of k of the point that presses: its part of that of a node.
+    share = term(sim).points.share[term(sim).point_of_sheet()[k]]
+    area = sim.state.node.contact_area[term(sim).carriers.node[k]].mean()
+    stiffness = 0.5 * share * sim.contact.law.of_nodes(area)
     length = np.hypot(1.0, 0.5)
     pulls = np.array([-f.wrench[0, 0] * length for f in found])  # on the film, along the way
     stretched = mu * pressure / stiffness

@@ -103,7 +103,7 @@ def test_the_tension_under_a_point_is_the_constant():
     assert tension_under_point() == pytest.approx(CENTRE, rel=1e-5)
 
 
-@pytest.mark.parametrize("far", [0.1, 0.3, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("far", [0.1, 0.5, 2.0])
 def test_tension_far_away_takes_from_the_force(far):
     # With n(0) N the tension that parts the film, F is CENTRE / n(0) of F_s.
     n0 = tension_under_point(far)
@@ -111,7 +111,7 @@ def test_tension_far_away_takes_from_the_force(far):
     assert 1.0 < CENTRE / n0 / np.sqrt(1.0 - (far / n0) ** 2) < 1.058
 
 
-@pytest.mark.parametrize("rho", [0.3, 1.0, 3.0, 8.0])
+@pytest.mark.parametrize("rho", [0.3, 3.0, 8.0])
 def test_sharp_and_blunt_tips_add_as_squares(rho):
     # In units of 2 pi sigma_F h sqrt(D / B): F is 1/n(0), F_s 1/CENTRE, F_m 2 rho n(0).
     n0 = tension_under_ball(rho)
@@ -162,9 +162,7 @@ def strip_force(depth, film, half):
     return 2.0 * tension * np.sin(slope)
 
 
-@pytest.mark.parametrize(
-    ("film", "size", "beside"), [(ONE, 0.8, 0.03), (ONE, 0.4, 0.1), (THREE, 0.4, 0.1)]
-)
+@pytest.mark.parametrize(("film", "size", "beside"), [(ONE, 0.8, 0.03), (THREE, 0.8, 0.1)])
 def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(film, size, beside):
     half, width, law = 4.0, 8.0, CohesiveLaw()
     carried = 18.0 * film.thickness
@@ -212,11 +210,10 @@ def tip_on_a_disc(film, force, n_side, inner=0.8):
     return -end.displacement[centre, 2], statics.stress(at_tip, place="nominal").mean(axis=0)
 
 
-@pytest.mark.parametrize("n_side", [4, 8])
-def test_a_tip_on_a_clamped_disc_is_as_deep_as_the_membrane_has_it(n_side):
+def test_a_tip_on_a_clamped_disc_is_as_deep_as_the_membrane_has_it():
     # 0.6216 mm by the plate's equations in r, clamped at 10.2 mm.
     film = ShellMaterial.homogeneous()
-    depth, _ = tip_on_a_disc(film, puncture_force(film, CohesiveLaw()), n_side)
+    depth, _ = tip_on_a_disc(film, puncture_force(film, CohesiveLaw()), 4)
     assert depth == pytest.approx(0.6216, rel=0.015)
 
 
@@ -232,7 +229,7 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
         turned = ShellMaterial([Layer(replace(axes, angle_deg=30.0), 0.074)])
         assert puncture_force(turned, law) == pytest.approx(force, rel=1e-9)
         assert force == pytest.approx(0.39046 * ratio**-0.25, rel=1e-4)
-        _, stress = tip_on_a_disc(film, force, 12, 0.5)
+        _, stress = tip_on_a_disc(film, force, 8, 0.35)
         tension.append(stress[:2, :2].diagonal())
     (same, also), (along, across) = tension
     assert same == pytest.approx(also, rel=0.01)
@@ -262,7 +259,7 @@ LAMINATES = [
 
 
 def film_of(layers):
-    return ShellMaterial([Layer(material, thickness) for material, thickness in layers])
+    return ShellMaterial([Layer(*layer) for layer in layers])
 
 
 def secants(layers, tension):

@@ -5,7 +5,7 @@ import pytest
 
 from blunt_tools import box
 from naive.contact import rounded_depth as naive_depth
-from shellcut.arrays import Bools, Floats, Ints
+from shellcut.arrays import Bools, Floats
 from shellcut.contact.settings import STEEPEST
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import kernel
@@ -32,33 +32,22 @@ def _evaluate(
     depth: Floats,
     out: Floats,
     own: Bools,
-    triangle: Ints,
-    across: Ints,
 ) -> None:
     grid, around = borrowed(grid), borrowed(around)
     for i in range(x.shape[0]):
         p = (x[i, 0], x[i, 1], x[i, 2])
         _, inside, t, q, whole = signed_distance(p, side, grid)
         own[i] = (not inside) or side * grid.surface.flank[whole] >= 0
-        triangle[i] = t
         if inside:
-            g, n, across[i] = rounded_depth(p, q, t, side, radius, grid, around, across[i])
-            depth[i] = g
+            depth[i], n, _ = rounded_depth(p, q, t, side, radius, grid, around, -1)
             out[i, 0], out[i, 1], out[i, 2] = n
 
 
-def depths(tool, x, side, radius=R, across=None):
-    """Depth, way out, and whether the closest face is one that a node of this side feels.
-
-    across : (n,), face that is tried first as the one beyond an edge; replaced by the one found.
-    """
-    n = len(x)
-    depth, out, own, triangle = np.zeros(n), np.zeros((n, 3)), np.ones(n, bool), np.zeros(n, int)
+def depths(tool, x, side):
+    """Depth, way out, and whether the closest face is one that a node of this side feels."""
+    depth, out, own = np.zeros(len(x)), np.zeros((len(x), 3)), np.ones(len(x), bool)
     grid, around = ClosestTriangleGrid.of(tool).arrays, ConvexNeighbours.of(tool)
-    if across is None:
-        across = np.full(n, -1)
-    rows = depth, out, own, triangle, across
-    _evaluate(np.ascontiguousarray(x), side, radius, grid, around, *rows)
+    _evaluate(np.ascontiguousarray(x), side, R, grid, around, depth, out, own)
     return depth, out, own
 
 
@@ -77,7 +66,7 @@ def largest_slope(x, side):
     return (change / np.linalg.norm(np.diff(x, axis=0), axis=1)).max()
 
 
-def circle(centre, u, v, n=2001):
+def circle(centre, u, v, n=1001):
     angle = np.linspace(-np.pi, np.pi, n)[:, None]
     return centre + AROUND * (np.cos(angle) * u + np.sin(angle) * v)
 
@@ -121,37 +110,8 @@ def test_the_force_is_continuous_around_every_corner_of_a_tooth():
     assert len(slopes) > 450
     assert np.quantile(slopes, 0.97) < STEEPEST
     # Where a hollow flank of facets meets another face a kink is left, of 1 % of the force at most.
-    step = 2.0 * np.pi * AROUND / 2000
+    step = 2.0 * np.pi * AROUND / 1000
     assert max(slopes) * step < 0.015 * AROUND
-
-
-def test_the_way_out_is_the_gradient_of_the_depth():
-    rng = np.random.default_rng(5)
-    edges = np.flatnonzero(SURFACE.turn > np.radians(10.0))
-    e = rng.choice(edges, 300)
-    ends = TOOTH.vertices[np.stack([SURFACE.lo[e], SURFACE.hi[e]])]
-    x = ends[0] + rng.uniform(0, 1, (300, 1)) * (ends[1] - ends[0])
-    # Not halfway between two faces, where a hollow flank leaves its kink (below).
-    for beside in (SURFACE.forward[e], SURFACE.backward[e]):
-        x -= rng.uniform(0.005, 0.025, (300, 1)) * SURFACE.normals[beside]
-    h = 1e-6
-    checked = 0
-    for side in (1, -1):
-        depth, out, own = depths(TOOTH, x, side)
-        slope = np.zeros_like(x)
-        for c in range(3):
-            step = np.zeros(3)
-            step[c] = h
-            up, _, own_up = depths(TOOTH, x + step, side)
-            down, _, own_down = depths(TOOTH, x - step, side)
-            slope[:, c] = (up - down) / (2.0 * h)
-            own &= own_up & own_down & (up != 0.0) & (down != 0.0)
-        inside = own & (depth > 1e-3) & (depth < 0.9 * R)
-        checked += inside.sum()
-        # Central differences of a function with a curvature of 1/r: within h/r where it is smooth.
-        miss = np.linalg.norm(slope + out, axis=1)[inside]
-        assert np.quantile(miss, 0.95) < 1e-4
-    assert checked > 100
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -205,21 +165,3 @@ def test_a_round_bar_of_facets_stays_round(depth):
         # The slope along the circle is the sine of the lean.
         way = np.linalg.norm(np.diff(x, axis=0), axis=1)
         assert np.abs(np.diff(found) / way).max() < np.sin(1.01 * half)
-
-
-@pytest.mark.parametrize("side", [0, 1, -1])
-def test_no_face_that_is_tried_first_changes_the_depth(side):
-    rng = np.random.default_rng(8)
-    corners = TOOTH.vertices[TOOTH.triangles]
-    weights = rng.dirichlet(np.ones(3), 4000)
-    on = rng.integers(0, TOOTH.n_triangle, 4000)
-    x = (corners[on] * weights[:, :, None]).sum(axis=1)
-    x -= rng.uniform(0.0, R, (4000, 1)) * TOOTH.triangle_normals[on]
-    found = np.full(4000, -1)
-    depth, out, _ = depths(TOOTH, x, side, across=found)
-    assert (found >= 0).sum() > 50
-    near = (on + rng.integers(-6, 7, (20, 4000))) % TOOTH.n_triangle  # most of them beside it
-    for tried in (found.copy(), *near):
-        again, way, _ = depths(TOOTH, x, side, across=tried)
-        np.testing.assert_allclose(again, depth, rtol=0.0, atol=1e-9 * R)
-        np.testing.assert_allclose(way, out, rtol=0.0, atol=1e-6)

@@ -4,33 +4,21 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from free_strip import cut_strip
+from free_strip import cut_strip, notched_sheet, path_in, segment_ahead
 from naive.cable import straight
 from naive.shell import shape
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.flank_points import FlankPoints
-from shellcut.fracture.quad_polygon import divide
 from shellcut.fracture.tip import Segment
-from shellcut.mesh.structured import rectangle
 
 SIZE, NOTCH, FIBRES = 0.5, 2.2, 5
 LAW = sc.CohesiveLaw()
 
 
 def segment_cut(rise=0.3):
-    """Return a film with a notch through its quads and one segment cut ahead of it."""
-    mesh = rectangle(5.0, 4.0, size=SIZE)
-    fracture = sc.Fracture(path="free", fibres=FIBRES)
-    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=LAW, fracture=fracture)
-    rim, y = mesh.nodes[:, 0].min(), rise * SIZE
-    sim.notch((rim - 1.0, y, 0.0), (rim + NOTCH, y, 0.0))
-    free = sim.cracks
-    (tip,) = free.tips
-    segment = CrackPath(CutFilm(free.cuts.topology, sim.shell)).segment_from(
-        sim.state, tip, tip.heading
-    )
-    free.growth.along(sim.state, tip, segment, "criterion", 1.0)
+    """Return a notched film and one segment cut ahead of its tip."""
+    sim = notched_sheet(rise, fibres=FIBRES)
+    tip, segment = segment_ahead(sim)
+    sim.cracks.growth.along(sim.state, tip, segment, "criterion", 1.0)
     return sim, segment
 
 
@@ -68,6 +56,15 @@ def by_hand(sim):
     return wanted
 
 
+def check_forces(sim):
+    """Open the flanks, in the sheet and out of it, and compare."""
+    n = sim.state.node
+    n.x[: n.count] += 0.02 * np.random.default_rng(7).normal(size=(n.count, 3))
+    film, wanted = n.mass[: n.count] > 0.0, by_hand(sim)
+    assert np.abs(wanted).max() > 0.05
+    np.testing.assert_allclose(forces(sim)[film], wanted[film], atol=1e-12)  # round-off
+
+
 @pytest.mark.parametrize("rise", [0.3, 0.0])  # through a quad, and along a side of the mesh
 def test_fibres_hold_a_segment_evenly_as_soon_as_it_is_cut(rise):
     sim, segment = segment_cut(rise)
@@ -80,12 +77,7 @@ def test_fibres_hold_a_segment_evenly_as_soon_as_it_is_cut(rise):
     along = start + SIZE * (np.arange(FIBRES) + 0.5) / FIBRES
     np.testing.assert_allclose(X[:, 0, 0], along, atol=1e-12)
     np.testing.assert_allclose(c.area[:FIBRES].sum(), SIZE * sim.material.thickness, rtol=1e-12)
-    # The flanks open, in the sheet and out of it, as at any place of the film.
-    rng = np.random.default_rng(7)
-    n.x[: n.count] += 0.02 * rng.normal(size=(n.count, 3))
-    film, wanted = n.mass[: n.count] > 0.0, by_hand(sim)
-    assert np.abs(wanted).max() > 0.05
-    np.testing.assert_allclose(forces(sim)[film], wanted[film], atol=1e-12)  # round-off
+    check_forces(sim)
 
 
 def test_the_blade_touches_flanks_where_they_have_parted():
@@ -105,10 +97,8 @@ def test_fibres_go_with_the_part_of_a_copy_that_holds_them():
     s, c = sim.state, sim.state.cable
     cuts = sim.cracks.cuts
     row = segment.row  # the copy to the right, below the crack
-    polygon = cuts.topology.polygon(row)
     middle = tuple(0.5 * np.add(segment.entry, segment.exit))
     below = (0.0, -1.0)
-    assert divide(polygon, below, middle)
     cuts.along(s, Segment(row, below, middle, -1, -1), "notch", 0.0)
     cuts.renew(s)
     right, left = row, s.n_quad - 1
@@ -116,11 +106,7 @@ def test_fibres_go_with_the_part_of_a_copy_that_holds_them():
     sides = [right if share > 0.5 + 1e-9 else left for share in c.share[:FIBRES]]
     at_middle = np.isclose(c.share[:FIBRES], 0.5)
     np.testing.assert_array_equal(c.row[:FIBRES, 0][~at_middle], np.array(sides)[~at_middle])
-    rng = np.random.default_rng(3)
-    n = s.node
-    n.x[: n.count] += 0.02 * rng.normal(size=(n.count, 3))
-    film, wanted = n.mass[: n.count] > 0.0, by_hand(sim)
-    np.testing.assert_allclose(forces(sim)[film], wanted[film], atol=1e-12)  # round-off
+    check_forces(sim)
     with pytest.raises(ValueError, match="fibres must be 0 or more"):
         sc.Fracture(fibres=-1)
 
@@ -132,8 +118,7 @@ def test_a_segment_that_opens_nowhere_is_held_and_its_fibres_rest():
     middles = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     row = int(np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin())
     ways = [np.array([sign, 0.1, 0.0]) for sign in (-1.0, 1.0)]
-    path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
-    back, ahead = (path.segment(s, row, (0.0, 0.0), way) for way in ways)
+    back, ahead = (path_in(sim).segment(s, row, (0.0, 0.0), way) for way in ways)
     free.growth.through(s, back, ahead, "puncture", 1.0)
     free.cuts.renew(s)
     assert s.n_cable == 6

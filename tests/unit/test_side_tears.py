@@ -108,39 +108,33 @@ def test_turn_limit(limit, ends, criterion):
     assert all(tip in ends for _, tip, _ in found)
 
 
-def test_the_largest_principal_stress_is_that_of_the_node():
-    shell, state, cracks, _ = pulled(sheet().cut(ROW), np.diag([0.0, 0.012]), criterion="stress")
+@pytest.mark.parametrize(("strain", "tears"), [(0.012, True), (0.009, False)])
+def test_the_largest_principal_stress_is_that_of_the_node(strain, tears):
+    film = sheet().cut(ROW)
+    shell, state, cracks, _ = pulled(film, np.diag([0.0, strain]), criterion="stress")
     sigma = shell.stress(state, np.array([0]))[0, 1, 1]
-    ((node, tip, measure),) = torn(state, cracks)
-    assert (node, tip) == (17, 18)
-    assert measure == pytest.approx(sigma / STRENGTH, rel=1e-9)
-    _, state, cracks, _ = pulled(sheet().cut(ROW), np.diag([0.0, 0.009]), criterion="stress")
-    assert torn(state, cracks) == []
+    wanted = [(17, 18, pytest.approx(sigma / STRENGTH, rel=1e-9))] if tears else []
+    assert torn(state, cracks) == wanted
 
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])
 def test_a_tear_runs_from_side_to_side_and_ends_at_the_rim(criterion):
     _, state, cracks, _ = pulled(sheet().cut(ROW), np.diag([0.0, 0.05]), criterion=criterion)
+    state.node.support_rate[17] = 1.0  # a support that moves holds the film together
+    assert torn(state, cracks) == []
+    state.node.support_rate[17] = 0.0
     while torn(state, cracks):
         pass
     places = np.array([record.reference for record in state.split_log])
     np.testing.assert_allclose(places, sheet().nodes[[17, 18, 19]])
     assert cracks.tips == []
     # Whole to the rim: film above and below has no node in common.
-    low, high = state.quads[:12], state.quads[12:]
-    assert not np.intersect1d(low, high).size
+    assert not np.intersect1d(state.quads[:12], state.quads[12:]).size
     assert state.crack_length == pytest.approx(3.0)
 
 
-@pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_moving_supports_hold_the_film_together(criterion):
-    _, state, cracks, _ = pulled(sheet().cut(ROW), np.diag([0.0, 0.05]), criterion=criterion)
-    state.node.support_rate[17] = 1.0
-    assert torn(state, cracks) == []
-
-
 @pytest.mark.parametrize("path", ["free", "edges"])
-@pytest.mark.parametrize("beside", [0.0, 0.03, 0.049])
+@pytest.mark.parametrize("beside", [0.0, 0.049])
 def test_a_rim_entered_beside_an_edge_of_the_mesh_is_cut_along_it_at_once(path, beside):
     film = rectangle(4.0, 4.0, size=0.8)
     blade = straight_blade(length=4.0, height=3.0).translated((-0.05, 0.4 + beside * 0.8, 0.0))

@@ -46,61 +46,39 @@ def disc_in(folder, *, scale=1.0, at=(0.0, 0.0, 0.0), axes=(0, 1, 2)):
     return {"membrane.file": str(path), "membrane.unit": "mm"}
 
 
+POINT = "the decimal sign is a point"
+OPENING = {
+    "comma in --set": ({"thickness": "0,074"}, "[material].thickness", POINT),
+    "comma and unit": ({"young": "1,7 GPa"}, "[material].young", POINT),
+    "thousands": ({"young": "1,678 MPa"}, "[material].young", "thousands have none"),
+    "comma in a vector": ({"tool.shift": [0, 5, 0, 0]}, "must be an array of 3 numbers", POINT),
+    "no layers": ({"layers.0.thickness": 1}, "has no table 0", "write it in the file"),
+    "place in a vector": ({"tool.shift[2]": -1}, "tool.shift is set as a whole", "=..."),
+    "edges of teeth": ({"tool.edges": "blunt"}, "[tool].edges must be one of", '"none"'),
+    "no length": ({"membrane.shift": [0, 0, "3 s"]}, "must be a number in mm", "which is in s"),
+}
+OF_LAYERS = {
+    "no such layer": ({"layers[2].thickness": 0.02}, "material.layers.2", "has 2, from 0 on"),
+    "no place": ({"layers.thickness": 1}, "several tables", "material.layers.0.thickness"),
+    "from the end": ({"layers[-1].thickness": 1}, "from 0 on", "layers.0"),
+    "no such load": ({"loads[1].value": 2}, "loads.1.value", "the file has 1,"),
+    "unit": ({"layers[0].thickness": "3 kg"}, "[material.layers.0].thickness must", "N s^2/mm"),
+    "key": ({"layers.1.thicknes": 1}, "[material.layers.1]", "thickness?"),
+}
+MATERIAL = "model = 'opening'\n[material]\n"
+IN_FILES = {
+    "comma in a file": ("thickness = 0,074\n", "thickness in line 3; write 0.074"),
+    "no quotes": ("thickness = 30 um  # PE\n", 'thickness in line 3; write "30 um"'),
+}
 READ = {
-    "comma in --set": (
-        "opening",
-        {"thickness": "0,074"},
-        "[material].thickness",
-        "the decimal sign is a point",
-    ),
-    "comma and unit": (
-        "opening",
-        {"young": "1,7 GPa"},
-        "[material].young",
-        "the decimal sign is a point",
-    ),
-    "thousands": ("opening", {"young": "1,678 MPa"}, "[material].young", "thousands have none"),
-    "comma in a vector": (
-        *("opening", {"tool.shift": [0, 5, 0, 0]}),
-        *("[tool].shift must be an array of 3 numbers", "the decimal sign is a point"),
-    ),
-    "comma in a file": (
-        *("model = 'opening'\n[material]\nthickness = 0,074\n", {}),
-        *("mine.toml:3: ", "thickness in line 3; write 0.074"),
-    ),
-    "unit without quotes": (
-        *("model = 'opening'\n[material]\nthickness = 30 um  # PE\n", {}),
-        *("mine.toml:3: ", 'thickness in line 3; write "30 um"'),
-    ),
-    "layer that is not there": (
-        *(LAMINATE, {"layers[2].thickness": 0.02}),
-        *("set material.layers.2.thickness=0.02: ", "the file has 2, from 0 on"),
-    ),
-    "no place": (
-        LAMINATE,
-        {"layers.thickness": 1},
-        "several tables",
-        "material.layers.0.thickness",
-    ),
-    "place counted from the end": (LAMINATE, {"layers[-1].thickness": 1}, "from 0 on", "layers.0"),
-    "no layers": ("opening", {"layers.0.thickness": 1}, "has no table 0", "write it in the file"),
-    "load that is not there": (LAMINATE, {"loads[1].value": 2}, "loads.1.value", "the file has 1,"),
-    "unit of a layer": (
-        *(LAMINATE, {"layers[0].thickness": "3 kg"}),
-        *("[material.layers.0].thickness must be a number in mm", "N s^2/mm"),
-    ),
-    "key of a layer": (LAMINATE, {"layers.1.thicknes": 1}, "[material.layers.1]", "thickness?"),
-    "place in a vector": ("opening", {"tool.shift[2]": -1}, "tool.shift is set as a whole", "=..."),
-    "edges of teeth": ("opening", {"tool.edges": "blunt"}, "[tool].edges must be one of", '"none"'),
-    "shift without a unit of length": (
-        *("opening", {"membrane.shift": [0, 0, "3 s"]}),
-        *("[membrane].shift must be a number in mm", "which is in s"),
-    ),
+    **{name: ("opening", *row) for name, row in OPENING.items()},
+    **{name: (LAMINATE, *row) for name, row in OF_LAYERS.items()},
+    **{k: (MATERIAL + text, {}, "mine.toml:3: ", mend) for k, (text, mend) in IN_FILES.items()},
 }
 
 
 @pytest.mark.parametrize(("model", "keys", "where", "mend"), READ.values(), ids=READ)
-def test_what_cannot_be_read_is_told_with_the_way_to_write_it(tmp_path, model, keys, where, mend):
+def test_what_cannot_be_read_is_told_with_how_to_write_it(tmp_path, model, keys, where, mend):
     source = written(tmp_path, model) if "\n" in model else model
     with pytest.raises(ModelFileError) as refused:
         read_model(source, keys)
@@ -125,11 +103,6 @@ def doubts(model, keys):
     return "\n".join(map(str, check.findings))
 
 
-def test_a_pitch_of_the_wrong_sign_is_told():
-    said = doubts("opening", {"mesh": "quick", "motion.pitch": -12})
-    assert "turn the sign of the pitch (motion.pitch = 12 mm): then 4 of 4" in said
-
-
 AWAY = """model = "free"
 [membrane]
 mesh = "quick"
@@ -144,6 +117,8 @@ duration = 1e-3
 
 
 def test_a_motion_away_from_the_film_is_told(tmp_path):
+    said = doubts("opening", {"mesh": "quick", "motion.pitch": -12})
+    assert "turn the sign of the pitch (motion.pitch = 12 mm): then 4 of 4" in said
     said = doubts(written(tmp_path, AWAY), {})
     assert "reverse the motion (motion.direction = [0, 0, -1]): then 4 of 4" in said
 
@@ -180,11 +155,8 @@ def test_a_blade_above_or_beside_its_strip_is_told_with_the_shift():
 
 def test_a_film_in_inches_is_told(tmp_path):
     keys = disc_in(tmp_path, scale=1.0 / 25.4)
-    said = doubts("opening", keys)
-    inches = (
-        'is the film in inches? It would be 20.4 mm across, not 0.803 mm (membrane.unit = "in")'
-    )
-    assert inches in said
+    inches = 'in inches? It would be 20.4 mm across, not 0.803 mm (membrane.unit = "in")'
+    assert inches in doubts("opening", keys)
     assert "inches" not in doubts("opening", {**keys, "membrane.unit": "in"})
 
 

@@ -21,105 +21,90 @@ BLADE = straight_blade()  # 3 mm long behind its edge, flanks at y = +-0.3 mm
 MESH = rectangle(8.0, 4.0, n_x=8, n_y=4)
 
 
-def check(mesh, x, z=0.0):
-    check_at(mesh, BLADE, np.eye(3), np.array([x, 0.0, z]))
+TURNED = np.array([[0, -1.0, 0], [1.0, 0, 0], [0, 0, 1.0]])  # by 90°
 
 
-def check_at(mesh, tool, rotation, translation):
-    check_tool_outside(mesh, tool, ClosestTriangleGrid.build(tool), Pose(rotation, translation))
+def check(mesh, *place, turn=None, tool=BLADE, motion=None):
+    pose = Pose(np.eye(3) if turn is None else turn, np.array(place, float))
+    check_tool_outside(mesh, tool, ClosestTriangleGrid.build(tool), pose, motion)
 
 
 def test_free_starts_are_taken():
-    check(MESH, -0.01)
-    check(MESH, 12.0)
-    check(MESH, 4.0, z=3.1)  # above the sheet
-    check_at(MESH, tooth_ring(), np.eye(3), np.zeros(3))
+    check(MESH, -0.01, 0, 0)
+    check(MESH, 12.0, 0, 0)
+    check(MESH, 4.0, 0, 3.1)  # above the sheet
+    check(MESH, 0, 0, 0, tool=tooth_ring())
+    check(MESH, 4.0, -2.05, 0.0, turn=TURNED)  # coming from below
 
 
 def test_tools_inside_are_refused_wherever_they_are():
     with pytest.raises(ValueError, match="must start outside the sheet") as refusal:
-        check(MESH, 3.5)
+        check(MESH, 3.5, 0, 0)
     text = str(refusal.value)
     assert "nodes 19 at (1, 0, 0), 20 at (2, 0, 0), 21 at (3, 0, 0) lie inside the tool" in text
     assert "leave a slot for it out of the film's mesh" in text
     mesh = rectangle(8.0, 4.0, n_x=2, n_y=1)  # quads of 4 x 4 mm around the blade
     with pytest.raises(ValueError, match="the tool passes through quads 0 at") as refusal:
-        check(mesh, 3.8)
+        check(mesh, 3.8, 0, 0)
     assert "nodes" not in str(refusal.value).split("but")[1]
-    mesh = rectangle(8.0, 4.0, n_x=80, n_y=40)
     with pytest.raises(ValueError, match=r"and \d+ more lie inside"):
-        check(mesh, 4.0)
-    pose = np.array([[0, -1.0, 0], [1.0, 0, 0], [0, 0, 1.0]]), np.array([4.0, -2.05, 0.0])
-    check_at(MESH, BLADE, *pose)  # turned by 90°, coming from below
+        check(rectangle(8.0, 4.0, n_x=80, n_y=40), 4.0, 0, 0)
     with pytest.raises(ValueError, match="inside the tool"):
-        check_at(MESH, BLADE, pose[0], np.array([4.0, 0.5, 0.0]))
+        check(MESH, 4.0, 0.5, 0.0, turn=TURNED)
 
 
 def test_a_notch_makes_room_for_a_thin_blade_only_when_it_is_open():
     # The nodes of a closed notch still lie inside: it must be opened or the blade start outside.
     mesh = MESH.cut([18, 19, 20])
     with pytest.raises(ValueError, match="inside the tool"):
-        check(mesh, 1.5)
+        check(mesh, 1.5, 0, 0)
     nodes = mesh.nodes.copy()
     for node in np.flatnonzero(np.isin(mesh.origin, [18, 19])):
         quads = mesh.quads[(mesh.quads == node).any(axis=1)]
         nodes[node, 1] = 0.4 * np.sign(mesh.nodes[quads, 1].mean())
-    check(cases.moved_mesh(mesh, nodes), 1.0)
+    check(cases.moved_mesh(mesh, nodes), 1.0, 0, 0)
+
+
+LATER_ASIDE = TableMotion([0, 1e-4, 1e-3, 2e-3], [(0, 0, 0), (0, 0, 0), (0, 0, -3), (4, 0, -3)])
 
 
 @pytest.mark.parametrize(
-    ("direction", "z", "least", "turned"),
+    ("motion", "back", "z", "least", "turned"),
     [
-        ((1.0, 0.0, 0.0), 0.0, 3.5, True),  # out at the sheet's edge x = 0
-        ((0.0, 0.0, -1.0), 2.8, 0.2, False),  # the blade reaches 3 mm to both sides in z
-        ((0.0, 0.0, 1.0), 2.8, 5.8, True),
-        ((0.0, 0.0, 0.0), 0.0, None, True),
+        (StraightMotion((1, 0, 0), 100.0), (-1, 0, 0), 0.0, 3.5, True),  # out at the edge x = 0
+        (StraightMotion((0, 0, -1), 100.0), (0, 0, 1), 2.8, 0.2, False),  # 3 mm high to both sides
+        (StraightMotion((0, 0, 1), 100.0), (0, 0, -1), 2.8, 5.8, True),
+        (LATER_ASIDE, (0, 0, 1), 2.8, 0.2, False),
+        (None, (0, 0, 0), 0.0, None, True),
     ],
+    ids=["along", "down", "up", "later aside", "no motion"],
 )
 def test_how_far_back_a_tool_is_free_is_said_and_whether_it_is_turned_wrong(
-    direction, z, least, turned
+    motion, back, z, least, turned
 ):
-    pose = Pose(np.eye(3), np.array([3.5, 0.0, z]))
-    motion = StraightMotion(direction, 100.0) if any(direction) else None
-    grid = ClosestTriangleGrid.build(BLADE)
     with pytest.raises(ValueError, match="or leave a slot for it out") as refusal:
-        check_tool_outside(MESH, BLADE, grid, pose, motion)
+        check(MESH, 3.5, 0.0, z, motion=motion)
     text = str(refusal.value)
     assert ("the direction of its motion or the film's plane" in text) == turned
-    back = re.findall(r"start back by \((.*?)\) mm \(\[tool\] shift\),", text)
-    assert len(back) == (least is not None)
-    for shift in back:
-        far = -np.array(direction) @ np.array(shift.split(", "), float)
-        assert least <= far < least + 0.15
-        # There it is free to start.
-        moved = BLADE.translated(
-            [float(x) for x in shift.split(", ")] + 1e-3 * -np.array(direction)
-        )
-        check_tool_outside(MESH, moved, ClosestTriangleGrid.build(moved), pose, motion)
-
-
-def test_a_tool_is_sent_back_along_its_first_way_wherever_it_goes_later():
-    pose = Pose(np.eye(3), np.array([3.5, 0.0, 2.8]))
-    way = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -3.0), (4.0, 0.0, -3.0)]
-    motion = TableMotion([0.0, 1e-4, 1e-3, 2e-3], way)
-    with pytest.raises(ValueError, match=r"start back by \(0, 0, 0\.[23]\d*\) mm"):
-        check_tool_outside(MESH, BLADE, ClosestTriangleGrid.build(BLADE), pose, motion)
+    shifts = re.findall(r"start back by \((.*?)\) mm \(\[tool\] shift\),", text)
+    assert len(shifts) == (least is not None)
+    for shift in shifts:
+        shift = np.array(shift.split(", "), float)
+        assert least <= shift @ back < least + 0.15
+        moved = [3.5, 0.0, z] + shift + 1e-3 * np.array(back)
+        check(MESH, *moved, motion=motion)  # there it is free to start
 
 
 def test_a_ring_on_its_side_is_not_only_sent_back_along_the_axis_of_its_screw():
-    screw, ring = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0), tooth_ring()
+    screw = ScrewMotion.over(angle_deg=95.0, duration=6e-3, pitch=12.0)
     on_its_side = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-
     mesh = rectangle(24.0, 24.0, n_x=12, n_y=12)
     mesh = cases.moved_mesh(mesh, mesh.nodes - [12.0, 0.0, 0.0])
-    grid = ClosestTriangleGrid.build(ring)
-    with pytest.raises(ValueError, match="must start outside the sheet") as refusal:
-        check_tool_outside(mesh, ring, grid, Pose.of(on_its_side, np.zeros(3)), screw)
-    said = str(refusal.value)
-    assert re.search(
-        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it or the film: its axis",
-        said,
+    back = (
+        r"back by \(-(9|10)\.?\d*, 0, 0\) mm \(\[tool\] shift\), or turn it or the film: its axis"
     )
+    with pytest.raises(ValueError, match=f"must start outside the sheet.*{back}"):
+        check(mesh, 0, 0, 0, turn=on_its_side, tool=tooth_ring(), motion=screw)
 
 
 # --- where the tool passes through quads, against brute force over all wires

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shellcut import Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics, Support, read_film
+from shellcut import Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics, Support
 from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.mesh.structured import rectangle
 
@@ -41,18 +41,11 @@ PLANES = [Support.symmetry("x0", "x"), Support.symmetry("y0", "y")]
 LOADS = [Gravity((0.0, 0.0, -2e8)), Pressure(-0.1)]
 
 
-def models(kind, loads=LOADS):
-    """The quarter and the whole, clamped at the far sides."""
-    rim = [Support.clamped("x1"), Support.clamped("y1")]
-    round_ = [Support.clamped(side) for side in ("x0", "x1", "y0", "y1")]
-    return (
-        kind(QUARTER, FILM, supports=PLANES + rim, loads=loads),
-        kind(WHOLE, FILM, supports=round_, loads=loads),
-    )
-
-
 def test_a_quarter_is_the_whole_to_round_off():
-    quarter, whole = models(Statics)
+    rim = [Support.clamped("x1"), Support.clamped("y1")]
+    around = [Support.clamped(side) for side in ("x0", "x1", "y0", "y1")]
+    quarter = Statics(QUARTER, FILM, supports=PLANES + rim, loads=LOADS)
+    whole = Statics(WHOLE, FILM, supports=around, loads=LOADS)
     assert (quarter.mesh.nodes == whole.mesh.nodes[IN_QUARTER]).all()
     # As the means of the quads' normals on both sides, without their mirror images.
     rim = (QUARTER.nodes[:, :2] == 6.0).any(axis=1)
@@ -67,33 +60,6 @@ def test_a_quarter_is_the_whole_to_round_off():
     assert abs(far).max() > FILM.thickness  # not linear
     # Both are at equilibrium to 1e-8 of the largest force.
     np.testing.assert_allclose(part.displacement, far, atol=1e-6 * abs(far).max())
-
-
-def test_so_it_is_in_the_explicit_driver():
-    quarter, whole = models(Simulation)
-    for sim in (quarter, whole):
-        sim.relax(tolerance=1e-7)
-    part = (quarter.state.node.x - quarter.state.node.X)[: QUARTER.n_node]
-    all_ = (whole.state.node.x - whole.state.node.X)[: WHOLE.n_node][IN_QUARTER]
-    # 1e-7 of the reactions, of which the softest motions make 1e-4 of the deflection.
-    np.testing.assert_allclose(part, all_, atol=1e-4 * abs(all_).max())
-
-
-def test_a_film_file_is_no_exception(tmp_path):
-    lines = ["*Node"]
-    lines += [f"{k + 1}, {x!r}, {y!r}, {z!r}" for k, (x, y, z) in enumerate(QUARTER.nodes.tolist())]
-    lines += ["*Element, type=S4, elset=film"]
-    lines += [f"{k + 1}, {str(q)[1:-1]}" for k, q in enumerate((QUARTER.quads + 1).tolist())]
-    for name, ids in QUARTER.node_sets.items():
-        lines += [f"*Nset, nset={name}", ", ".join(str(i + 1) for i in ids.tolist())]
-    file = tmp_path / "dome.inp"
-    file.write_text("\n".join(lines))
-    film = read_film(file, unit="mm")
-    supports = [*PLANES, Support.clamped("x1"), Support.clamped("y1")]
-    read, built = (
-        Statics(mesh, FILM, supports=supports, loads=LOADS).linear()[0] for mesh in (film, QUARTER)
-    )
-    np.testing.assert_allclose(read, built, atol=1e-10 * abs(built).max())
 
 
 # --- which directors are put into a plane --------------------------------------------------------
@@ -167,7 +133,7 @@ def test_equilibrium_of_statics_is_rest_in_the_explicit_driver(supports):
     n, node = LEANING.n_node, sim.state.node
     node.x[:n], node.t[:n] = still.state.node.x[:n], still.state.node.t[:n]
     assert sim.relax(tolerance=1e-6) == 0  # statics leaves 1e-8 of the largest force
-    for _ in range(2000):
+    for _ in range(1000):
         sim.step()
     np.testing.assert_allclose(node.x[:n] - node.X[:n], rest.displacement, atol=1e-6)
     np.testing.assert_allclose(node.t[:n], rest.director, atol=1e-6)
@@ -187,7 +153,7 @@ def test_a_leaning_director_swings_on_its_cone_for_long():
     t, T = sim.state.node.t, sim.mesh.directors
     on_cone, in_plane = (sim.mesh.node_set(side) for side in ("x0", "x1"))
     first, largest = sim.ledger.initial, 0.0
-    for _ in range(5000):
+    for _ in range(2500):
         sim.step()
         largest = max(largest, abs(t[on_cone] - T[on_cone]).max())
     assert largest > 0.1

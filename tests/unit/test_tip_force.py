@@ -6,11 +6,10 @@ from scipy.integrate import quad
 
 import shellcut as sc
 from films import from_zero, shaken
+from free_strip import notched_sheet, path_in, segment_ahead
 from naive import cases
 from naive.shell import shape
 from page_tables import numbers_of, row, shown_as, table
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.sheet_stress import sheet_stress
 from shellcut.fracture.tip_domain import TipDomain
@@ -76,7 +75,6 @@ def test_the_change_of_energy_with_a_slide_is_that_of_the_energy(film):
 @pytest.mark.parametrize(
     "load",
     [
-        None,
         sc.Pressure(0.3),
         sc.Pressure(0.3, following=True),
         sc.Gravity((0.0, 3e9, 2e9)),
@@ -84,9 +82,8 @@ def test_the_change_of_energy_with_a_slide_is_that_of_the_energy(film):
     ],
 )
 def test_an_even_state_has_no_tip(load):
-    """Even strain, turned, moving at an even speed or loaded: nothing is released anywhere."""
-    loads = [] if load is None else [load]
-    sim = sc.Simulation(uneven_mesh(), FILM, damping_alpha=0.0, loads=loads)
+    """Even strain, turned, moving at an even speed and loaded: nothing is released anywhere."""
+    sim = sc.Simulation(uneven_mesh(), FILM, damping_alpha=0.0, loads=[load])
     stretch = np.array([[1.01, 0.003, 0.0], [0.0, 0.995, 0.0], [0.004, 0.0, 1.0]])
     drawn(sim.state, stretch)
     sim.state.node.x += [40.0, -30.0, 20.0]
@@ -203,20 +200,20 @@ def strip_at_rest(pull, film=FILM, slit=None):
 
 
 @pytest.mark.parametrize(
-    ("reach", "material"), [(1.0, FILM), (1.8, FILM), (3.0, FILM), (1.0, layered(ALONG))]
+    ("material", "reaches"), [(FILM, (1.0, 1.8, 3.0)), (layered(ALONG), (1.0,))]
 )
-def test_a_long_strip_releases_the_energy_ahead_of_its_tip(reach, material):
+def test_a_long_strip_releases_the_energy_ahead_of_its_tip(material, reaches):
     """Far behind the tip nothing is stored, far ahead C_22 e²/2 per volume over the height."""
     stretch = 0.004
     sim = strip_at_rest([0.0, 4.0 * stretch, 0.0], film=material)
-    force = force_on(sim, np.array([8.0, 0.0, 0.0]), reach)
     strain = stretch + 0.5 * stretch**2
     stiffness = material.layers[0].material.plane_stress()[1, 1]
     released = 0.5 * stiffness * strain**2 * THICKNESS * 4.0
-    J = force.of(sim.state)
-    # Discretisation (quads of a sixteenth of the height at a singular tip).
-    assert J[0] == pytest.approx(released, rel=0.03)
-    assert abs(J[1]) < 1e-3 * released  # round-off and rest: it is symmetric
+    for reach in reaches:
+        J = force_on(sim, np.array([8.0, 0.0, 0.0]), reach).of(sim.state)
+        # Discretisation (quads of a sixteenth of the height at a singular tip).
+        assert J[0] == pytest.approx(released, rel=0.03)
+        assert abs(J[1]) < 1e-3 * released  # round-off and rest: it is symmetric
 
 
 def test_film_beyond_another_crack_is_no_part_of_the_force_on_a_tip():
@@ -231,24 +228,13 @@ def test_film_beyond_another_crack_is_no_part_of_the_force_on_a_tip():
     assert J[1] > 0.5 * J[0]  # towards the slit
 
 
-@pytest.mark.parametrize("fibres", [0, 1, 6])
-@pytest.mark.parametrize("rise", [0.3, 0.0], ids=["through quads", "along a side"])
+@pytest.mark.parametrize(("fibres", "rise"), [(0, 0.3), (1, 0.0), (6, 0.3)])
 def test_cables_slide_as_the_film_does_where_they_are(rise, fibres):
     """F · q dx/de at both ends, q and dx/de those of the place where the end lies in its quad."""
-    sim = sc.Simulation(
-        rectangle(5.0, 4.0, size=0.5),
-        FILM,
-        law=sc.CohesiveLaw(),
-        fracture=sc.Fracture(path="free", fibres=fibres),
-    )
-    rim = sim.mesh.nodes[:, 0].min()
-    sim.notch((rim - 1.0, 0.5 * rise, 0.0), (rim + 2.2, 0.5 * rise, 0.0))
-    free, state = sim.cracks, sim.state
+    sim = notched_sheet(rise, FILM, fibres=fibres)
+    state = sim.state
     for _ in range(2):
-        (tip,) = free.tips
-        path = CrackPath(CutFilm(free.cuts.topology, sim.shell))
-        segment = path.segment_from(state, tip, tip.heading)
-        free.growth.along(state, tip, segment, "criterion", 1.0)
+        sim.cracks.growth.along(state, *segment_ahead(sim), "criterion", 1.0)
     stretch = np.array([[1.1, 0.2, 0.0], [-0.1, 0.95, 0.0], [0.3, 0.1, 1.0]])
     drawn(state, stretch)
     film, c = sim.shell.reference, state.cable
@@ -342,9 +328,7 @@ def test_a_pressed_strip_releases_what_its_load_does_less_what_it_stores(load):
 def test_a_crack_in_the_middle_of_a_pressed_strip_goes_straight_on():
     sim = pressed_strip(sc.Pressure(PRESSURE))
     (tip,) = sim.cracks.tips
-    topology = sim.cracks.cuts.topology
-    path = CrackPath(CutFilm(topology, sim.shell))
-    direction = FreeDirection(sim.shell, path.film, sim.law)
+    direction = FreeDirection(sim.shell, path_in(sim).film, sim.law)
     way = next(direction.directions(sim.state, tip))
     assert abs(way[1] / way[0]) < np.tan(np.radians(0.1))  # rest, to 1e-3 of the load
 
@@ -374,6 +358,14 @@ def released_in(sim, reaches):
     return np.array([force_on(sim, at_tip(sim), reach).of(sim.state) for reach in reaches])
 
 
+def released_as_on_the_page(sim, first):
+    """The same by the domains of the page, which has the digits."""
+    told = on_the_page(first)
+    J = released_in(sim, told)
+    assert [shown_as(*pair) for pair in zip(told.values(), J[:, 0], strict=True)] == [True] * 4
+    return J
+
+
 def parted(slit):
     """Two forces of 0.1 N part the flanks 5 mm from the rim, 1 mm from the slit."""
     X = from_zero(rectangle(24.0, 14.0, size=1.0), 0.0, -4.0).nodes
@@ -387,9 +379,7 @@ def parted(slit):
 
 def test_forces_on_nodes_in_the_domain_do_not_change_what_is_released():
     (_, short), (sim, _), (_, long) = parted(9.0), parted(10.0), parted(11.0)
-    told = on_the_page("slit")
-    J = released_in(sim, told)  # the forces are 5 mm behind the tip
-    assert [shown_as(*pair) for pair in zip(told.values(), J[:, 0], strict=True)] == [True] * 4
+    J = released_as_on_the_page(sim, "slit")  # the forces are 5 mm behind the tip
     # Discretisation, 0.8 to 1.8 %.
     assert J[:, 0] == pytest.approx(0.5 * 0.1 * (long - short) / 2.0, rel=0.03)
     assert np.ptp(J[1:, 1]) < 0.05 * abs(J[0, 1])
@@ -406,9 +396,7 @@ def test_a_wedge_within_the_domain_does_not_change_what_is_released():
     )
     while sim.state.time < 2.5e-3:  # until it rests
         sim.step()
-    told = on_the_page("blunt wedge")
-    J = released_in(sim, told)  # the wedge ends 4 mm behind the tip
-    assert [shown_as(*pair) for pair in zip(told.values(), J[:, 0], strict=True)] == [True] * 4
+    J = released_as_on_the_page(sim, "blunt wedge")  # the wedge ends 4 mm behind the tip
     # Discretisation: 2.5 and 7 %.
     assert J[:, 0] == pytest.approx(J[0, 0], rel=0.04)
     assert J[:, 1] == pytest.approx(J[0, 1], rel=0.12)
@@ -445,8 +433,8 @@ def ahead_of_a_crack(p, x, a=1.0):
     return stress, -np.log(np.cos(0.5 * np.pi * p)) * a / x
 
 
-@pytest.mark.parametrize("p", [0.05, 0.3, 0.6, 0.9, 0.99])
-@pytest.mark.parametrize("x", [0.01, 0.3, 3.0, 100.0])
+@pytest.mark.parametrize("p", [0.05, 0.6, 0.99])
+@pytest.mark.parametrize("x", [0.01, 3.0, 100.0])
 def test_the_stress_of_the_sheet_is_found_again(p, x):
     stress, length = ahead_of_a_crack(p, x)
     assert p < stress < 1.0

@@ -8,11 +8,9 @@ import pytest
 
 import shellcut as sc
 from films import shaken
-from free_strip import cut_strip, slanted_strip
+from free_strip import cut_strip, notched_sheet, path_in, segment_ahead, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
 from shellcut.fracture.blade_drive import BladeDrive
-from shellcut.fracture.crack_path import CrackPath
-from shellcut.fracture.cut_film import CutFilm
 from shellcut.fracture.entered_film import EnteredFilm, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
@@ -30,7 +28,7 @@ class Rules:
 
     def __init__(self, sim):
         self.sim, self.topology = sim, sim.cracks.cuts.topology
-        self.path = CrackPath(CutFilm(self.topology, sim.shell))
+        self.path = path_in(sim)
         self.film = trial_cut.Film(self.topology, sim.shell, sim.loads, sim.law.strength)
         self.watch = TipWatch(
             self.path, trial_of(sim), BladeDrive(CuttingEdges.of(sim.tool), sim.motion)
@@ -101,7 +99,7 @@ def test_same_beside_other_cracks():
     # The notch ends among cracks across its way: sides with crossings, copies, flanks ahead.
     rng = np.random.default_rng(4)
     kinds = []
-    for turn in range(6):
+    for turn in range(4):
         sim = cut_strip(mesh=jittered(10 + turn))
         free = sim.cracks
         for x in rng.uniform(1.0, 1.8, 3):
@@ -119,10 +117,9 @@ def test_each_of_several_crossings_of_one_side_is_met():
     """Three cracks through the quad above end on its lower side; a tip below is aimed at it."""
     sim = cut_strip(mesh=rectangle(6.0, 3.2, n_x=15, n_y=8), notched=False)
     path, X, shares = Rules(sim).path, sim.mesh.nodes, [0.2, 0.5, 0.8]
-    left, right, far_left, far_right = (
-        int(np.hypot(X[:, 0] - x, X[:, 1] - y).argmin())
-        for x, y in ((2.0, 0.0), (2.4, 0.0), (2.0, -0.4), (2.4, -0.4))
-    )
+    corners = (2.0, 0.0), (2.4, 0.0), (2.0, -0.4), (2.4, -0.4)
+    nodes = (int(np.hypot(X[:, 0] - x, X[:, 1] - y).argmin()) for x, y in corners)
+    left, right, far_left, far_right = nodes
     rings = sim.mesh.quads.tolist()
     (above,) = (q for q, ring in enumerate(rings) if ring[:2] == [left, right])
     for share in shares:
@@ -132,7 +129,7 @@ def test_each_of_several_crossings_of_one_side_is_met():
     (under,) = (q for q, ring in enumerate(rings) if ring[2:] == [far_right, far_left])
     ends = min(far_left, far_right), max(far_left, far_right)
     tip, met = Tip(ends, 0.5, under, np.array([0.0, 1.0, 0.0])), set()
-    for share in np.linspace(0.06, 0.94, 45):
+    for share in np.linspace(0.06, 0.94, 23):
         way = np.array([0.4 * (share - 0.5), 0.4, 0.0])
         mine = path.segment_from(sim.state, tip, way)
         plain = crack_path.segment_from(path, sim.state, tip, way)
@@ -181,7 +178,7 @@ def test_chords_part_whole_quads_as_the_rules_say():
     whole = np.flatnonzero((s.quad.share[: s.n_quad] == 1.0) & ~at_flank)
     quad, chord = table_of(s, path.film, [(int(whole[0]), (0.0, 0.0))], [()]), Aimed.of(2)
     s.node.x[: s.n_node, 2] = 0.1 * np.sin(s.node.x[: s.n_node, 0])
-    for _ in range(3000):
+    for _ in range(1000):
         row = int(rng.choice(whole))
         place = tuple(np.clip(rng.uniform(-1.03, 1.03, 2), -0.999, 0.999).tolist())
         angle = rng.choice([0.0, 0.5 * np.pi, rng.uniform(0.0, np.pi)]) + rng.normal() * 0.02
@@ -197,7 +194,7 @@ def test_chords_part_whole_quads_as_the_rules_say():
         )
         assert mine == rules
         said.append(rules)
-    assert 200 < sum(said) < 2985
+    assert 70 < sum(said) < 995
 
 
 def test_a_tip_before_a_vertex_of_a_bulging_edge_is_driven():
@@ -229,18 +226,14 @@ def test_an_edge_drives_the_tips_that_it_will_meet(degrees):
     assert found[:3].all()
     assert found[3:].tolist() == (ahead * np.tan(np.radians(degrees)) <= 0.05).tolist()
     # Tips farther ahead than twenty edges are not its own yet.
-    far = drive.find(np.array([1.99, 2.01])[:, None] * way / way[0], np.full(2, 0.1), 0.0).edge_of
-    assert (far >= 0).tolist() == [True, False]
+    places = np.array([1.99, 2.01])[:, None] * way / way[0]
+    found = drive.find(places, np.full(2, 0.1), 0.0).edge_of >= 0
+    assert found.tolist() == [True, False]
 
 
 def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
     tool, motion = sc.tool_shapes.tooth_ring(), sc.ScrewMotion(300.0, pitch=12.0)
-    drive, rng = BladeDrive(CuttingEdges.of(tool), motion), np.random.default_rng(3)
-    ahead, size = np.radians([2.0, 10.0, 20.0, 24.0]), 0.2
-    z = 1.0  # where the edge is 60 degrees steep: so far behind the tip of the tooth
-    angle = ahead - 1.0 / np.tan(np.radians(60.0)) / 9.4
-    circle = np.stack([9.4 * np.cos(angle), 9.4 * np.sin(angle), 0.0 * angle + z], axis=1)
-    assert (drive.find(circle, np.full(4, size), 0.0).edge_of >= 0).all()
+    drive, rng, size = BladeDrive(CuttingEdges.of(tool), motion), np.random.default_rng(3), 0.2
     radius, angle = rng.uniform(9.1, 9.7, 60), rng.uniform(-0.5, 0.5, 60)
     places = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0, 4, 60)], 1)
     found = drive.find(places, np.full(60, size), 0.0)
@@ -271,10 +264,10 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
         return EnteredFilm(s, path.film, sim.shell, edges, chain, everywhere=True)
 
     kept = fresh()
-    dt = 2.6e-4 / 900
-    for step in range(900):
-        if step % 30 == 0:
-            n.velocity_half[: n.count] = rng.uniform(-0.02, 0.02, (n.count, 3)) / (30 * dt)
+    dt = 2.6e-4 / 450
+    for step in range(450):
+        if step % 15 == 0:
+            n.velocity_half[: n.count] = rng.uniform(-0.02, 0.02, (n.count, 3)) / (15 * dt)
         n.x[: n.count] += n.velocity_half[: n.count] * dt
         s.step, s.time = step, step * dt
         pose = Pose.of(*sim.motion.pose(s.time))
@@ -287,14 +280,14 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
             for begun in rows:
                 place = through(a, b, n.x[s.quads[begun.row]])
                 np.testing.assert_allclose(begun.place, place, atol=1e-9)
-    assert 3 < kept._near.n_search < 300
-    assert found > 20
+    assert 3 < kept._near.n_search < 150
+    assert found > 10
 
 
 # --- the nodal force of a trial cut under a uniform stress: the stress times the length it opens
 
 
-SIZE, STRETCH = 0.5, 0.004
+STRETCH = 0.004
 
 
 def trial_of(sim):
@@ -310,23 +303,11 @@ def measures_of(sim, segment):
     )
 
 
-def notched(rise):
-    """A sheet notched ``rise`` above the middle line, and the segment ahead of its tip."""
-    mesh = rectangle(5.0, 4.0, size=SIZE)
-    film = sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, density=1e-9, thickness=0.074)
-    fracture = sc.Fracture(path="free")
-    sim = sc.Simulation(mesh, film, law=sc.CohesiveLaw(), fracture=fracture, damping_beta=0.0)
-    rim = mesh.nodes[:, 0].min()
-    sim.notch((rim - 1.0, rise, 0.0), (rim + 2.2, rise, 0.0))
-    (tip,) = sim.cracks.tips
-    path = CrackPath(CutFilm(sim.cracks.cuts.topology, sim.shell))
-    return sim, tip, path.segment_from(sim.state, tip, tip.heading)
-
-
-@pytest.mark.parametrize("rise", [0.1, 0.37, 0.5, 0.9])
+@pytest.mark.parametrize("rise", [0.1, 0.5, 0.9])
 def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
     """The crack runs along rows of equal quads, ``rise`` of an edge above the row's lower side."""
-    sim, tip, segment = notched(rise * SIZE)
+    sim = notched_sheet(rise)
+    tip, segment = segment_ahead(sim)
     n = sim.state.node
     n.x[: n.count, 1] = (1.0 + STRETCH) * n.X[: n.count, 1]  # the notch's flanks stay closed
     # First Piola-Kirchhoff stress: force over reference length and thickness.
@@ -341,11 +322,11 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
 
 def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what_opens_it():
     """A trial cut of a sheet at rest, with forces on the flanks given by its quads' strains."""
-    sim, _, segment = notched(0.1)
-    n = sim.state.node
+    sim = notched_sheet(0.2)
+    _, segment = segment_ahead(sim)
+    n, quads, parent = sim.state.node, sim.state.quads, sim.state.quad.parent
     # Corners of the upper copy behind the tip that no other part of the film has.
     ((_, (lower, upper)), *_) = trial_of(sim).pairs(sim.state, segment)
-    parent, quads = sim.state.quad.parent, sim.state.quads
     behind = next((a, b) for a in lower.rows for b in upper.rows if a < b and parent[b] == a)
     raised = np.setdiff1d(quads[behind[1]], [*quads[behind[0]], *quads[segment.row]])
 
@@ -363,14 +344,9 @@ def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what
     across = 2.0 * shear * 1.002 / sc.CohesiveLaw().strength  # with the notch behind the tip
     # Kinematics: forces by the small shear in space, of the relative size of the strains.
     assert np.sqrt(tear**2 - plain**2) == pytest.approx(across, rel=0.01)
-    pressed = -0.0002
-    plain, tear = measures(pressed, 0.001)
+    plain, opening = measures(-0.0002, 0.001, opened=1e-7)
     assert plain < 0.0
-    assert tear == 0.0
-    _, closing = measures(pressed, 0.001, opened=-1e-7)
-    assert closing == 0.0
-    _, opening = measures(pressed, 0.001, opened=1e-7)
     assert opening == pytest.approx(across + plain, rel=0.01)  # kinematics, as above
     assert opening > 0.1 * across
-    _, squeezed = measures(-0.002, 0.001, opened=1e-7)
-    assert squeezed == 0.0
+    for pressed, opened in ((-0.0002, 0.0), (-0.0002, -1e-7), (-0.002, 1e-7)):
+        assert measures(pressed, 0.001, opened)[1] == 0.0
