@@ -126,16 +126,12 @@ def test_series_of_every_range_of_strains_are_exact_to_the_last_places(size, sha
 def test_the_short_form_of_an_elastic_film_is_the_long_one(size, shape):
     short, long, small = _both_forms(size * np.array(shape), 1200.0, 650.0)
     assert small
+    assert not _both_forms(0.01 * np.array(shape), 1.0, 1.0)[2]
     largest = np.sqrt(long[3:5].max())
     # A few roundings of doubles, of the largest component.
     np.testing.assert_allclose(short[:3], long[:3], rtol=0, atol=1.5e-15 * largest)
     np.testing.assert_allclose(short[3:5], long[3:5], rtol=0, atol=3e-15 * largest**2)
     assert short[5] == pytest.approx(long[5], rel=2e-15)
-
-
-def test_the_short_way_is_left_where_strains_are_not_small():
-    assert not _both_forms(np.array([0.01, 0.0, 0.0]), 1.0, 1.0)[2]
-    assert not _both_forms(np.array([0.0, 0.0, 0.01]), 1.0, 1.0)[2]
 
 
 def test_lanes_are_the_numbers_one_by_one():
@@ -165,44 +161,37 @@ def test_a_film_folded_flat_gives_numbers():
 # ---------------------------------------------------------------- plain twin
 
 
-@pytest.mark.parametrize(
-    ("hardening", "formula"),
-    [
-        (make(*numbers), formula(*numbers))
-        for make, formula, several in (
-            (Linear, naive.linear, [(20.0,), (20.0, 50.0), (1e-3, 1e5)]),
-            (
-                Swift,
-                naive.swift,
-                # presets, an ideal film, a straight one, and what no film is
-                [
-                    (164.51, 2.951e-4, 0.257),
-                    (522.09, 6.794e-4, 0.18),
-                    (150.0, 0.002, 0.0),
-                    (150.0, 0.002, 1.0),
-                    (300.0, 1e-9, 0.5),
-                    (20.0, 3.0, 0.9),
-                ],
-            ),
-            (
-                Voce,
-                naive.voce,
-                [
-                    (20.0, 30.0, 0.05, 5.0),
-                    (50.0, 20.0, 0.1),
-                    (10.0, 0.0, 0.1, 3.0),
-                    (0.01, 1e3, 1e-4, 0.0),
-                    (10.0, 1.0, 500.0, 1.0),
-                ],
-            ),
+FORMULAE = [
+    *((Linear(*n), naive.linear(*n)) for n in ((20.0,), (20.0, 50.0), (1e-3, 1e5))),
+    *(
+        (Swift(*n), naive.swift(*n))
+        for n in (
+            (164.51, 2.951e-4, 0.257),
+            (522.09, 6.794e-4, 0.18),
+            (150.0, 0.002, 0.0),  # an ideal film
+            (150.0, 0.002, 1.0),  # straight
+            (300.0, 1e-9, 0.5),  # no film is so
+            (20.0, 3.0, 0.9),
         )
-        for numbers in several
-    ],
-)
+    ),
+    *(
+        (Voce(*n), naive.voce(*n))
+        for n in (
+            (20.0, 30.0, 0.05, 5.0),
+            (50.0, 20.0, 0.1),
+            (10.0, 0.0, 0.1, 3.0),
+            (0.01, 1e3, 1e-4, 0.0),
+            (10.0, 1.0, 500.0, 1.0),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("hardening", "formula"), FORMULAE)
 def test_tables_of_formulae_are_within_their_accuracy(hardening, formula):
     corners = np.array(hardening.plastic_strain)
-    p = np.append(np.geomspace(1e-12, FARTHEST, 20_000), corners)
-    p = np.concatenate([p, *(corners[:-1] + w * np.diff(corners) for w in np.linspace(0, 1, 21))])
+    within = [corners[:-1] + w * np.diff(corners) for w in np.linspace(0, 1, 21)]
+    p = np.concatenate([np.geomspace(1e-12, FARTHEST, 20_000), corners, *within])
     assert corners[-1] == pytest.approx(FARTHEST)
     assert hardening.stress(p) == pytest.approx(formula(p), rel=ACCURACY)
     assert hardening.first_yield == pytest.approx(formula(0.0), rel=1e-15)
@@ -229,12 +218,11 @@ def test_steps_of_any_size_are_those_of_the_plain_twin(material, formula):
     rng = np.random.default_rng(7)
     P = naive.flow(material.r_values or (1.0, 1.0, 1.0), material.angle_deg)
     C = naive.elastic(material.elastic)
-
     yields_at = naive.table(material.hardening.plastic_strain, material.hardening.stress_at)
     for size in (0.02, 0.3):
         point, history = MaterialPoint(material), (0.0, np.zeros(3))
         smooth = history
-        strain, stored, work = np.zeros(3), 0.0, 0.0
+        strain, work = np.zeros(3), 0.0
         for _ in range(12):
             strain = strain + size * rng.uniform(-1, 1, 3)
             state = point.strain_to(strain)
@@ -244,15 +232,13 @@ def test_steps_of_any_size_are_those_of_the_plain_twin(material, formula):
             np.testing.assert_allclose(state.stress, S, rtol=0, atol=3e-4 * abs(S).max())
             # The last correction is of the first order: 1e-11 of the stress.
             np.testing.assert_allclose(state.stress, T, rtol=0, atol=1e-9 * abs(T).max())
-            names = list(state.history.values())
-            assert names[0] == pytest.approx(history[0], rel=1e-9)
+            p, above, *plastic = state.history.values()
+            assert p == pytest.approx(history[0], rel=1e-9)
             # What the next step begins with: the last correction counts here, too.
-            above = yields_at(names[0]) - yields_at(0.0)
-            assert names[1] == pytest.approx(above, rel=1e-9, abs=1e-10)
-            np.testing.assert_allclose(names[2:], history[1], atol=1e-9 * max(history[0], 1e-3))
+            assert above == pytest.approx(yields_at(p) - yields_at(0.0), rel=1e-9, abs=1e-10)
+            np.testing.assert_allclose(plastic, history[1], atol=1e-9 * max(history[0], 1e-3))
             elastic = strain - history[1]
-            stored = 0.5 * (elastic @ C @ elastic)
-            assert state.stored == pytest.approx(stored, rel=1e-8)
+            assert state.stored == pytest.approx(0.5 * (elastic @ C @ elastic), rel=1e-8)
             assert state.dissipated >= work
             work = state.dissipated
         assert history[0] > size
@@ -260,17 +246,15 @@ def test_steps_of_any_size_are_those_of_the_plain_twin(material, formula):
 
 @pytest.mark.parametrize(("material", "_"), KINDS.values(), ids=KINDS)
 def test_work_is_what_is_stored_and_dissipated(material, _):
-    point, last, work = MaterialPoint(material), np.zeros(3), 0.0
-    turns = np.linspace(0.0, 6.0, 600)
-    before = np.zeros(3)
-    for turn in turns[1:]:
-        strain = 0.05 * np.array([np.sin(turn), 0.3 * np.sin(2 * turn), 0.8 * (1 - np.cos(turn))])
-        state = point.strain_to(strain)
-        work += 0.5 * (last + state.stress) @ (strain - before)
-        last, before = state.stress, strain
+    point, turn = MaterialPoint(material), np.linspace(0.0, 6.0, 600)
+    parts = np.sin(turn), 0.3 * np.sin(2 * turn), 0.8 * (1 - np.cos(turn))
+    strains = 0.05 * np.stack(parts, axis=1)
+    states = [point.strain_to(strain) for strain in strains]
+    stresses = np.array([state.stress for state in states])
+    work = (0.5 * (stresses[1:] + stresses[:-1]) * np.diff(strains, axis=0)).sum()
     # The trapezoidal rule over steps that begin elastic and end plastic.
-    assert work == pytest.approx(state.stored + state.dissipated, rel=2e-3)
-    assert state.dissipated > 0.5 * work
+    assert work == pytest.approx(states[-1].stored + states[-1].dissipated, rel=2e-3)
+    assert states[-1].dissipated > 0.5 * work
 
 
 # ---------------------------------------------------------------- closed forms
@@ -285,27 +269,24 @@ def test_monotonic_curves_are_the_hardening_itself(kind, mode):
     for strain in (0.05, 0.3, 1.0):
         if mode == "uniaxial":
             state = point.pull(strain)
-            stress, elastic = state.stress[0], state.stress[0] / E
-            volume = np.exp((1 - 2 * NU) * elastic)
-            wanted = volume / np.exp(strain + state.strain[1])
-            plastic = strain - elastic
+            stress = state.stress[0]
+            plastic = strain - stress / E
+            thinner = np.exp((1 - 2 * NU) * stress / E - strain - state.strain[1])
         elif mode == "equibiaxial":
             state = point.strain_to([strain, strain, 0.0])
             stress = state.stress[0]
-            elastic = (1 - NU) * stress / E
-            wanted = np.exp(-2 * NU * stress / E - 2 * (strain - elastic))
-            plastic = 2 * (strain - elastic)
+            plastic = 2 * (strain - (1 - NU) * stress / E)
+            thinner = np.exp(-2 * NU * stress / E - plastic)
         else:
             state = point.strain_to([0.0, 0.0, 2 * strain])
             stress = np.sqrt(3.0) * state.stress[2]
-            elastic = state.stress[2] * (1 + NU) / E
-            wanted = 1.0
-            plastic = 2.0 / np.sqrt(3.0) * (strain - elastic)
+            plastic = 2.0 / np.sqrt(3.0) * (strain - state.stress[2] * (1 + NU) / E)
+            thinner = 1.0
         p = state.history["equivalent plastic strain [-]"]
         assert stress == pytest.approx(float(material.hardening.stress(p)), rel=1e-8)
         assert stress == pytest.approx(formula(p), rel=ACCURACY)
         assert p == pytest.approx(plastic, rel=1e-8)
-        assert state.thickness_stretch == pytest.approx(wanted, rel=1e-8)
+        assert state.thickness_stretch == pytest.approx(thinner, rel=1e-8)
 
 
 def test_hencky_is_the_closed_form_and_orthotropic_turns():
@@ -313,15 +294,11 @@ def test_hencky_is_the_closed_form_and_orthotropic_turns():
     assert state.stress[0] == pytest.approx(0.7 * E, rel=1e-9)
     assert state.strain[1] == pytest.approx(-0.7 * NU, rel=1e-8)
     assert state.thickness_stretch == pytest.approx(np.exp(-0.7 * NU), rel=1e-8)
-    moduli = Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9)
-    for angle, young in ((0.0, 1500.0), (90.0, 2500.0)):
+    for angle in (0.0, 30.0, 90.0):
         turned = Hencky(Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9, angle_deg=-angle))
-        assert MaterialPoint(turned).pull(1e-3).stress[0] == pytest.approx(young * 1e-3, rel=1e-8)
-    c, s = np.cos(np.radians(30)), np.sin(np.radians(30))
-    off_axis = c**4 / 1500 + s**4 / 2500 + c * c * s * s * (1 / 700 - 2 * 0.3 / 1500)
-    turned = Hencky(Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9, angle_deg=-30))
-    assert MaterialPoint(turned).pull(1e-3).stress[0] == pytest.approx(1e-3 / off_axis, rel=1e-7)
-    assert np.linalg.inv(moduli.plane_stress())[0, 0] == pytest.approx(1 / 1500)
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        flexible = c**4 / 1500 + s**4 / 2500 + c * c * s * s * (1 / 700 - 2 * 0.3 / 1500)
+        assert MaterialPoint(turned).pull(1e-3).stress[0] == pytest.approx(1e-3 / flexible, rel=1e-8)
 
 
 @pytest.mark.parametrize("factor", [CowperSymonds(40.0, 5.0), JohnsonCook(0.05, 1.0)])
