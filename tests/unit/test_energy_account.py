@@ -116,7 +116,6 @@ def test_the_largest_shares_are_of_trusted_rows_and_without_sign():
     assert largest_shares(history, np.zeros(3, bool)) == {}
 
 
-
 def test_relative_is_to_the_tool_or_else_to_all():
     assert Ledger(tool_work=-4.0, load_work=10.0).relative(1.0) == 0.25
     assert Ledger(load_work=8.0).relative(1.0) == 0.125

@@ -197,7 +197,7 @@ def carried(basis, before, after):
 
 
 def test_move_returns_the_strain_that_is_not_linear():
-    mesh, state, freedoms, shell = deformed_roof()
+    _, state, freedoms, _ = deformed_roof()
     u = freedoms.fill(np.random.default_rng(4).uniform(-1.0, 1.0, freedoms.free.size))
     start = state.node.x.copy(), state.node.t.copy()
     bent = []

@@ -35,7 +35,7 @@ LAMINATE = ShellMaterial([Layer(EVEN, 0.05), Layer(TOY, 0.03)])
 FILMS = {"film": FILM, "laminate": LAMINATE}
 
 
-# ---------------------------------------------------------------- reference
+# --- reference
 
 
 def damaged(psi, kappa):
@@ -119,7 +119,7 @@ def test_forces_and_energies_are_those_of_the_reference_there_and_back(case, fil
             assert shell.history_means(state)["damage [-]"].max() > 0.1
 
 
-# ---------------------------------------------------------------- closed forms of tension
+# --- closed forms of tension
 
 
 def pulled(strains, film=FILM):
@@ -197,7 +197,7 @@ def test_bending_shows_at_the_outermost_points_and_only_they_are_damaged():
     assert mean == pytest.approx(0.5 * weights @ damage, rel=0.05)
 
 
-# ---------------------------------------------------------------- runs
+# --- runs
 
 
 END = 8e-5
@@ -257,7 +257,7 @@ def test_a_cut_writes_dissipation_and_damage(tmp_path):
         np.testing.assert_allclose(again.quad_history[name], wanted, rtol=2.0**-12, atol=1e-30)
 
 
-# ---------------------------------------------------------------- time step
+# --- time step
 
 
 def test_the_tangent_of_the_step_carries_the_stress_of_the_law_and_the_elastic_moduli():
@@ -274,7 +274,7 @@ def test_the_tangent_of_the_step_carries_the_stress_of_the_law_and_the_elastic_m
     np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-11 * abs(wanted).max())
 
 
-# ---------------------------------------------------------------- the interface
+# --- the interface
 
 
 def test_a_law_with_history_is_never_run_as_linear():

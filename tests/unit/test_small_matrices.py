@@ -97,8 +97,6 @@ def test_eigenvectors(matrix):
     np.testing.assert_allclose(matrix @ vectors, vectors * values, rtol=0, atol=2 * round_off)
 
 
-
-
 @pytest.mark.parametrize("along", [0.0, 0.7])
 def test_rotation_of_the_director_is_cayleys(along):
     a, b = RANDOM.uniform(-1, 1, (2, 3))

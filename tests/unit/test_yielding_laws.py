@@ -47,7 +47,7 @@ KINDS = {
 """Materials, and the formulae of their yield stress."""
 
 
-# ---------------------------------------------------------------- logarithmic strain
+# --- logarithmic strain
 
 
 @nb.njit
@@ -158,7 +158,7 @@ def test_a_film_folded_flat_gives_numbers():
     assert np.isfinite(MaterialPoint(KINDS["Voce"][0]).pull(np.log(4.0)).stress).all()  # 300 %
 
 
-# ---------------------------------------------------------------- plain twin
+# --- plain twin
 
 
 FORMULAE = [
@@ -257,7 +257,7 @@ def test_work_is_what_is_stored_and_dissipated(material, _):
     assert states[-1].dissipated > 0.5 * work
 
 
-# ---------------------------------------------------------------- closed forms
+# --- closed forms
 
 
 @pytest.mark.parametrize("kind", ["Voce", "table"])
@@ -298,7 +298,8 @@ def test_hencky_is_the_closed_form_and_orthotropic_turns():
         turned = Hencky(Orthotropic(1500.0, 2500.0, 0.3, 700.0, 1e-9, angle_deg=-angle))
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         flexible = c**4 / 1500 + s**4 / 2500 + c * c * s * s * (1 / 700 - 2 * 0.3 / 1500)
-        assert MaterialPoint(turned).pull(1e-3).stress[0] == pytest.approx(1e-3 / flexible, rel=1e-8)
+        stress = MaterialPoint(turned).pull(1e-3).stress[0]
+        assert stress == pytest.approx(1e-3 / flexible, rel=1e-8)
 
 
 @pytest.mark.parametrize("factor", [CowperSymonds(40.0, 5.0), JohnsonCook(0.05, 1.0)])
@@ -343,7 +344,7 @@ def test_a_trial_however_little_beyond_the_yield_stress_flows_at_its_rate(factor
         assert state.dissipated >= 0.0
 
 
-# ---------------------------------------------------------------- refusals
+# --- refusals
 
 
 @pytest.mark.parametrize(
