@@ -2,7 +2,6 @@
 
 import importlib.util
 import json
-import math
 import os
 import platform
 import shutil
@@ -201,40 +200,6 @@ def test_what_reads_a_value_without_a_digest_is_not_stored(tmp_path, version):
     assert NOT_STORED in module.law.digest
 
 
-_LAW = """
-import os
-from dataclasses import dataclass
-import numpy as np
-from shellcut.material import Material, MaterialPoint, PointLaw, register
-K = float(os.environ["OF_A_TEST"])
-def stress(p, strain, history, dt):
-    s1, s2, s12 = K * p[0] * strain[0], K * p[0] * strain[1], 0.5 * K * p[0] * strain[2]
-    stored = 0.5 * (s1 * strain[0] + s2 * strain[1] + s12 * strain[2])
-    return (s1, s2, s12), stored, 0.0, history
-def thickness_stretch(p, strain, history):
-    return 1.0 + 0.0 * strain[0]
-@dataclass(frozen=True)
-class Own(Material):
-    law = register(PointLaw("own", stress, thickness_stretch))
-    density: float = 1e-9
-    def parameters(self): return np.array([1000.0])
-    def plane_stress(self): return K * 1000.0 * np.diag([1.0, 1.0, 0.5])
-    def transverse_shear(self): return K * 500.0 * np.eye(2)
-print(MaterialPoint(Own()).strain_to([0.01, 0.0, 0.0]).stored)
-"""
-
-
-@pytest.mark.slow
-def test_a_law_of_ones_own_runs_with_the_number_that_it_reads_now(tmp_path):
-    law = tmp_path / "law.py"
-    law.write_text(_LAW)
-    green = 0.5 * (math.exp(0.02) - 1.0)
-    for factor in (1.0, 2.0, 1.0):
-        given = os.environ | {"OF_A_TEST": str(factor), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-        stored = float(_printed([sys.executable, str(law)], given))
-        assert stored == pytest.approx(0.5 * factor * 1000.0 * green**2, rel=1e-12)
-
-
 _PRESSED_SQUARE = """
 import json
 import numpy as np
@@ -270,13 +235,10 @@ def pressed(site, **more):
     """Return the force on a square, and how many kernels were loaded, of a new process."""
     given = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_C")}
     environment = given | {"PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"} | more
-    said = json.loads(_printed([sys.executable, "-c", _PRESSED_SQUARE], environment))
-    return said["force"], said["loaded"]
-
-
-def _printed(command, environment):
+    command = [sys.executable, "-c", _PRESSED_SQUARE]
     done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-    return done.stdout
+    said = json.loads(done.stdout)
+    return said["force"], said["loaded"]
 
 
 def edited(site):
