@@ -199,21 +199,6 @@ def test_every_quad_has_one_place_with_its_nodes(case):
     np.testing.assert_array_equal(blocks.corner.transpose(0, 2, 1), mesh.quads[blocks.quad])
 
 
-def test_quads_whose_nodes_follow_each_other_share_blocks():
-    mesh = rectangle(20.0, 3.0, n_x=20, n_y=3)
-    flat = np.ones(mesh.n_quad, np.bool_)
-    flat[25] = False  # amid the second row, which then has one chain of eight instead of two
-    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
-    follows = (np.diff(blocks.corner, axis=2) == 1).all(axis=(1, 2))
-    np.testing.assert_array_equal(blocks.chain, follows)
-    assert follows.sum() == 5
-    # Numbered at random there are none.
-    names = np.random.default_rng(3).permutation(mesh.n_node)
-    blocks = build_blocks(mesh.nodes[np.argsort(names)], names[mesh.quads], flat)
-    assert not blocks.chain.any()
-    assert sorted(blocks.quad[blocks.filled].tolist()) == list(range(60))
-
-
 @pytest.mark.parametrize(
     "mesh",
     [

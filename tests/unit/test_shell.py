@@ -9,7 +9,6 @@ import pytest
 from naive import cases
 from naive import shell as naive
 from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
-from shellcut.mitc4.shell import MITC4Shell
 
 LAYERED = ShellMaterial(
     [Layer(Elastic(800.0, 0.35, 1e-9), 0.05), Layer(Elastic(30e3, 0.33, 2.7e-9), 0.02)]
@@ -63,33 +62,23 @@ def test_corner_forces_add_up_to_the_nodal_force():
     assert np.abs(whole - undamped[node]).max() > 0.05 * scale
 
 
-def test_mass_and_inertia_of_the_nodes():
+@pytest.mark.parametrize("thickness", [0.074, 3.0])
+def test_mass_and_inertia_of_the_nodes(thickness):
     mesh = cases.curved()
-    shell, state = cases.set_up(mesh)
-    n = mesh.n_node
-    assert state.node.mass[:n].sum() == pytest.approx(shell.mass.sum(), rel=1e-14)
-    assert (state.node.mass[n:] == 0).all()
+    shell, state = cases.set_up(mesh, ShellMaterial.homogeneous(thickness=thickness))
+    node, n, true = state.node, mesh.n_node, thickness**2 / 12
     # Scaled rotary inertia: max(h²/12, A/8) of each quad on its share of the mass.
-    for node in range(n):
-        wanted = [0.0, 0.0]
-        for e, quad in enumerate(mesh.quads):
-            for a in np.flatnonzero(quad == node):
-                share = shell.mass[e, a]
-                wanted[0] += share
-                wanted[1] += share * max(0.074**2 / 12, shell.area[e] / 8)
-        assert state.node.mass[node] == pytest.approx(wanted[0], rel=1e-14)
-        assert state.node.inertia[node] == pytest.approx(wanted[1], rel=1e-14)
-        mine = (mesh.quads == node).any(axis=1)
-        quarter = 0.25 * shell.area[mine].mean()
-        assert state.node.contact_area[node] == pytest.approx(quarter, rel=1e-14)
-    true = 0.074**2 / 12
-    assert shell.added_inertia_factor == pytest.approx(
-        shell.quad_inertia(np.arange(mesh.n_quad)).sum() / (true * shell.mass.sum()), rel=1e-14
-    )
-    assert shell.added_inertia_factor > 50
-
-
-def test_thick_quads_keep_their_true_inertia():
-    thick = ShellMaterial.homogeneous(thickness=3.0)
-    shell = MITC4Shell(cases.skewed_flat(2, 1), thick, damping_beta=0.0)
-    assert shell.added_inertia_factor == pytest.approx(1.0, rel=1e-12)
+    scaled = np.maximum(true, shell.area / 8)
+    mass, inertia, area = np.zeros((3, n))
+    for quad, share, radius, whole in zip(mesh.quads, shell.mass, scaled, shell.area, strict=True):
+        mass[quad] += share
+        inertia[quad] += share * radius
+        area[quad] += 0.25 * whole
+    np.testing.assert_allclose(node.mass[:n], mass, rtol=1e-14)
+    np.testing.assert_allclose(node.inertia[:n], inertia, rtol=1e-14)
+    around = np.bincount(mesh.quads.ravel())
+    np.testing.assert_allclose(node.contact_area[:n], area / around, rtol=1e-14)
+    assert (node.mass[n:] == 0).all()
+    added = inertia.sum() / (true * mass.sum())
+    assert shell.added_inertia_factor == pytest.approx(added, rel=1e-13)
+    assert added > 50 if thickness < 1.0 else added == pytest.approx(1.0, rel=1e-12)
