@@ -79,11 +79,7 @@ ASIDE = {
     "supports": PULLED,
     "fracture": Fracture(path="free", check_every=5),
 }
-RUNS = {
-    "force": (cutting, END, {}),
-    "stress": (cutting, END, {"fracture": Fracture(criterion="stress")}),
-    "through quads": (cut_strip, 1.5e-4, ASIDE),
-}
+RUNS = {"force": (cutting, END, {}), "through quads": (cut_strip, 1.5e-4, ASIDE)}
 
 
 def built(name):

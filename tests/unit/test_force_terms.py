@@ -54,9 +54,9 @@ class Spring(Tether):
 
     booked = Booking("contact_work", 0, -1.0), Booking.of_wrench("contact_work", -1.0)
 
-    def __init__(self, node, k):
+    def __init__(self, name, node, k):
         super().__init__(node, np.zeros(3), k)
-        self.touch = Touch.none(1, 1)
+        self.name, self.touch = name, Touch.none(1, 1)
 
     def add_forces(self, state, pose):
         self.place = pose.translation
@@ -83,7 +83,7 @@ def drive(terms, state, book, steps):
 
 def test_a_new_term_is_in_forces_wrench_work_and_ledger():
     _, state = cases.set_up(cases.skewed_flat())
-    one, two = Spring(5, 7.0), Spring(6, 3.0)
+    one, two = Spring("one", 5, 7.0), Spring("two", 6, 3.0)
     terms, book = ForceTerms([one, two], MOTION), Ledger()
     before = state.node.force[5].copy()
     drive(terms, state, book, [0])

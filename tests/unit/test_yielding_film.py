@@ -72,8 +72,16 @@ def test_forces_and_tangents_are_derivatives_of_the_potential(case, film):
     history = state.history.copy()
     x, t = before[0] + size * rng.normal(size=before[0].shape), before[1]
     _, rows = energy(shell, state, history, x, t)
-    assert film is RUBBER or (state.history > history).any()
+    flows = (state.history > history).any()
     state.history[:] = history
+    if film is FOIL:
+        assert flows
+        # By single quads. A block goes on until all its lanes are returned: 1e-10 of what is left.
+        corner, total = mesh.quads.ravel(), np.zeros_like(x)
+        quads = np.repeat(np.arange(mesh.n_quad), 4)
+        np.add.at(total, corner, shell.corner_forces(state, quads, corner))
+        np.testing.assert_allclose(total, rows[:, :3], rtol=0, atol=1e-10 * abs(rows).max())
+        np.testing.assert_array_equal(state.history, history)
     tangents = shell.tangents(state, np.arange(mesh.n_quad))
     for node, c in [(0, 0), (1, 1), (2, 2), (4, 0), (5, 2)]:
         change = np.zeros_like(x)
@@ -113,21 +121,6 @@ def test_a_turn_in_mid_run_changes_nothing():
     for one, other in zip(*found, strict=True):
         # Round-off of a metric of order one, in strains.
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-11 * abs(one).max())
-
-
-def test_single_quads_and_lanes_agree():
-    mesh = cases.ALL["flat"](3, 3)
-    x, t = moved(mesh, size_of(mesh), np.random.default_rng(8))
-    lanes, state = cases.set_up(mesh, FOIL)
-    _, rows = energy(lanes, state, state.history, x, t)
-    assert state.history.max() > 1e-3
-    state.history[:] = 0.0
-    quads = np.repeat(np.arange(mesh.n_quad), 4)
-    total = np.zeros((mesh.n_node, 3))
-    np.add.at(total, mesh.quads.ravel(), lanes.corner_forces(state, quads, mesh.quads.ravel()))
-    # A block goes on until all its lanes are returned; the return of one leaves up to 1e-10.
-    np.testing.assert_allclose(total, rows[:, :3], rtol=0, atol=1e-10 * abs(rows).max())
-    assert not state.history.any()
 
 
 # --- axes
