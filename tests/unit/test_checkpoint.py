@@ -23,21 +23,6 @@ from gone_on import differing, flat, numbers_of
 from notched_strip import cutting
 from open_files import is_open
 from same_run import assert_same_run
-from shellcut import (
-    Elastic,
-    Fracture,
-    Layer,
-    Pressure,
-    Recorder,
-    ScrewMotion,
-    ShellMaterial,
-    Stepping,
-    StraightMotion,
-    Support,
-    TableMotion,
-    load_checkpoint,
-    save_checkpoint,
-)
 from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
 from shellcut.recording.checkpoint import CheckpointError
@@ -57,27 +42,25 @@ END = 8e-5
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
-LAYERED = ShellMaterial(
-    [Layer(Elastic(2000.0, 0.3, 1.1e-9), 0.03), Layer(Elastic(900.0, 0.4, 0.9e-9), 0.05)],
-    points_per_layer=2,
-)
+STIFF, SOFT = sc.Elastic(2000.0, 0.3, 1.1e-9), sc.Elastic(900.0, 0.4, 0.9e-9)
+LAYERED = sc.ShellMaterial([sc.Layer(STIFF, 0.03), sc.Layer(SOFT, 0.05)], points_per_layer=2)
 
 
 LOADS = [
-    Pressure(0.002, following=True, factor=lambda time: min(time / 1e-4, 1.0)),
-    Pressure(0.001),
+    sc.Pressure(0.002, following=True, factor=lambda time: min(time / 1e-4, 1.0)),
+    sc.Pressure(0.001),
     sc.EdgeTraction("right", (0.01, 0.0, 0.0)),
     sc.Gravity((0.0, 0.0, -9810.0)),
 ]
 PULLED = [
-    Support("bottom"),
-    Support("top", velocity={"y": lambda time: 30.0 * min(time / 1e-4, 1.0)}),
+    sc.Support("bottom"),
+    sc.Support("top", velocity={"y": lambda time: 30.0 * min(time / 1e-4, 1.0)}),
 ]
 ASIDE = {
     "material": LAYERED,
     "loads": LOADS,
     "supports": PULLED,
-    "fracture": Fracture(path="free", check_every=5),
+    "fracture": sc.Fracture(path="free", check_every=5),
 }
 RUNS = {"force": (cutting, END, {}), "through quads": (cut_strip, 1.5e-4, ASIDE)}
 
@@ -106,7 +89,7 @@ def whole(request, tmp_path_factory):
     while sim.state.time < end:
         for moment, has_come in moments.items():
             if moment not in steps and has_come():
-                save_checkpoint(sim, folder / f"{moment}.h5")
+                sc.save_checkpoint(sim, folder / f"{moment}.h5")
                 steps[moment] = sim.state.step
         sim.step()
         dts.append(sim.state.dt)
@@ -118,28 +101,27 @@ def whole(request, tmp_path_factory):
 
 
 def test_from_any_moment_on_it_is_the_same_run(whole):
-    # To the next moment but one, in the very state that was saved there; after the start to the
-    # end. What is nowhere saved would show in the next test.
+    # To the next moment but one, in the very state that was saved there; from the start and from
+    # the first joint to the end.
     name, sim, folder, steps, dts = whole
     moments = sorted(steps, key=steps.get)
-    for k, moment in enumerate(moments):
-        step, wanted = steps[moment], sim
-        end = len(dts)
-        if k and moment != "joint" and k + 2 < len(moments):
-            wanted, end = built(name), steps[moments[k + 2]]
-            load_checkpoint(wanted, folder / f"{moments[k + 2]}.h5")
+    for moment, later in zip(moments, [*moments[2:], "", ""], strict=True):
+        step, wanted, end = steps[moment], sim, len(dts)
+        if later and moment not in ("start", "joint"):
+            wanted, end = built(name), steps[later]
+            sc.load_checkpoint(wanted, folder / f"{later}.h5")
         again = built(name)
-        assert load_checkpoint(again, folder / f"{moment}.h5") == {}
+        assert sc.load_checkpoint(again, folder / f"{moment}.h5") == {}
         assert again.state.step == step
         assert isinstance(again.state.step, int)
         assert all(isinstance(split.place, tuple) for split in again.state.split_log)
-        went = []
-        while again.state.step < end:
+        for dt in dts[step:end]:
             again.step()
-            went.append(again.state.dt)
-        assert went == dts[step:end], moment
+            assert again.state.dt == dt, moment
         assert again.state.split_log == wanted.state.split_log, moment
         assert differing(wanted, again) == [], moment
+        if moment == "joint":
+            check_that_nothing_else_has_a_history(sim, again)
 
 
 # Numbers of searches since the run began, or since the checkpoint. Tables of the film's motion
@@ -147,12 +129,8 @@ def test_from_any_moment_on_it_is_the_same_run(whole):
 FOLLOWS = re.compile(r"_pierce\._near\.n_search$|\._(poses|twists|travel|solved)\b")
 
 
-def test_nothing_else_has_a_history(whole):
-    name, sim, folder, *_ = whole
-    again = built(name)
-    load_checkpoint(again, folder / "joint.h5")
-    while again.state.time < RUNS[name][1]:
-        again.step()
+def check_that_nothing_else_has_a_history(sim, again):
+    """Compare all numbers of two simulations, saved or not."""
     # The tables of the state have rows in reserve, which nobody reads.
     rows = {"node": sim.state.n_node, "cable": sim.state.n_cable}
     rows |= {"quad": sim.state.n_quad, "flank": sim.state.flank.count}
@@ -179,17 +157,17 @@ def test_a_relaxed_film_goes_on(tmp_path):
         sides = [*mesh.node_set("left"), *mesh.node_set("right")]
         return sc.Simulation(
             sc.Mesh.from_arrays(nodes, mesh.quads),
-            ShellMaterial.homogeneous(),
-            supports=[Support.pinned(sides)],
-            loads=[Pressure(1e-2)],
+            sc.ShellMaterial.homogeneous(),
+            supports=[sc.Support.pinned(sides)],
+            loads=[sc.Pressure(1e-2)],
         )
 
     sim = stretched()
     sim.relax(sim.mesh.nodes * (0.01, 0.0, 0.0), tolerance=1e-2)
-    save_checkpoint(sim, tmp_path / "c.h5")
+    sc.save_checkpoint(sim, tmp_path / "c.h5")
     again = stretched()
     assert {"frequencies.row", "time_step.known"} <= set(differing(sim, again))
-    load_checkpoint(again, tmp_path / "c.h5")
+    sc.load_checkpoint(again, tmp_path / "c.h5")
     assert differing(sim, again) == []
     for one in (sim, again):
         one.run(5e-6)
@@ -204,27 +182,37 @@ def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("saved") / "checkpoint.h5"
     sim = cutting()
     sim.run(2e-5)
-    save_checkpoint(sim, path)
+    sc.save_checkpoint(sim, path)
     return path
 
 
-A_TABLE = TableMotion([0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+homogeneous = sc.ShellMaterial.homogeneous
+A_TABLE = sc.TableMotion([0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 @pytest.mark.parametrize(
     ("options", "named"),
     [
         ({"size": 0.5}, "mesh.nodes: 46 x 3 numbers"),
-        ({"material": ShellMaterial.homogeneous(thickness=0.08)}, "layers[0].thickness: 0.074 in"),
-        ({"material": ShellMaterial.homogeneous(young=1700.0)}, "layers[0].material.young: 1678.0"),
+        (
+            {"material": homogeneous(thickness=0.08)},
+            "layers[0].thickness: 0.074 in",
+        ),
+        (
+            {"material": homogeneous(young=1700.0)},
+            "layers[0].material.young: 1678.0",
+        ),
         ({"material": LAYERED}, "material.layers: 1 entries in"),
-        ({"material": ShellMaterial.homogeneous(points_per_layer=2)}, "points_per_layer: None in"),
+        (
+            {"material": homogeneous(points_per_layer=2)},
+            "points_per_layer: None in",
+        ),
         ({"blade": 0.12}, "tool.vertices: "),
-        ({"motion": StraightMotion((1, 0, 0), 2.1e4, ramp=5e-6)}, "motion.speed: 20000.0 in"),
-        ({"motion": ScrewMotion(100.0, axis=(1, 0, 0))}, "motion: StraightMotion in the check"),
+        ({"motion": sc.StraightMotion((1, 0, 0), 2.1e4, ramp=5e-6)}, "motion.speed: 20000.0 in"),
+        ({"motion": sc.ScrewMotion(100.0, axis=(1, 0, 0))}, "motion: StraightMotion in the check"),
         ({"motion": A_TABLE}, "motion.times: nothing in the checkpoint, [0.0, 1.0] in"),
         ({"strength": 17.0}, "law.strength: 18.0 in the checkpoint, 17.0 in this simulation"),
-        ({"fracture": Fracture(criterion="stress")}, "fracture.criterion: 'force' in"),
+        ({"fracture": sc.Fracture(criterion="stress")}, "fracture.criterion: 'force' in"),
         ({"pressure": 2e-3}, "loads[0].value: 0.001 in"),
         ({"set_name": "bottom"}, "supports: 2 entries in the checkpoint, 1 entries in"),
         ({"damping_beta": 1e-8}, "1e-08 in this simulation"),
@@ -236,7 +224,7 @@ def test_another_model_is_refused_and_left_as_it_is(saved, options, named):
     sim = cutting(**options)
     before = {name: rows.copy() for name, rows in flat(sim.saved()).items()}
     with pytest.raises(CheckpointError, match="belongs to another model") as refusal:
-        load_checkpoint(sim, saved)
+        sc.load_checkpoint(sim, saved)
     assert named in str(refusal.value)
     after = flat(sim.saved())
     assert all(np.array_equal(before[name], after[name]) for name in before)
@@ -248,7 +236,7 @@ class Sliding:
     coordinate_unit = "mm"
 
     def __init__(self, speed):
-        self._motion = StraightMotion((1.0, 0.0, 0.0), speed)
+        self._motion = sc.StraightMotion((1.0, 0.0, 0.0), speed)
         self.pose, self.twist = self._motion.pose, self._motion.twist
         self.coordinate = self._motion.coordinate
 
@@ -257,13 +245,13 @@ def test_a_simulation_that_has_run_or_a_motion_of_another_pose_is_refused(saved,
     sim = cutting()
     sim.step()
     with pytest.raises(ValueError, match="not run yet, but this one is at step 1: build it again"):
-        load_checkpoint(sim, saved)
+        sc.load_checkpoint(sim, saved)
     sim = cutting(motion=Sliding(2e4))
     sim.run(1e-6)
-    save_checkpoint(sim, tmp_path / "c.h5")
-    load_checkpoint(cutting(motion=Sliding(2e4)), tmp_path / "c.h5")
+    sc.save_checkpoint(sim, tmp_path / "c.h5")
+    sc.load_checkpoint(cutting(motion=Sliding(2e4)), tmp_path / "c.h5")
     with pytest.raises(CheckpointError, match="motion: the translation at 1"):
-        load_checkpoint(cutting(motion=Sliding(2.1e4)), tmp_path / "c.h5")
+        sc.load_checkpoint(cutting(motion=Sliding(2.1e4)), tmp_path / "c.h5")
 
 
 def test_what_is_no_checkpoint_is_refused(saved, tmp_path):
@@ -279,12 +267,12 @@ def test_what_is_no_checkpoint_is_refused(saved, tmp_path):
         ("folder", "not a regular file"),
     ):
         with pytest.raises((CheckpointError, FileNotFoundError), match=said):
-            load_checkpoint(cutting(), tmp_path / f"{name}.h5")
+            sc.load_checkpoint(cutting(), tmp_path / f"{name}.h5")
 
 
 def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeypatch, caplog):
     short, path = Case("cut", cutting(), 5e-6), tmp_path / "c.h5"
-    save_checkpoint(short.simulation, path)
+    sc.save_checkpoint(short.simulation, path)
     good = path.read_bytes()
 
     def full(_):
@@ -292,7 +280,7 @@ def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeyp
 
     monkeypatch.setattr(shellcut.recording.checkpoint.os, "fsync", full)
     with pytest.raises(OSError, match="No space left"):
-        save_checkpoint(cutting(), path)
+        sc.save_checkpoint(cutting(), path)
     assert path.read_bytes() == good
     assert [p.name for p in tmp_path.iterdir()] == ["c.h5"]
     short.run(tmp_path / "run", checkpoint_every=0.0, **RECORDS)
@@ -308,7 +296,7 @@ def test_whatever_the_damage_it_is_a_checkpoint_error(saved, tmp_path):
     for damaged, kind in damages:
         (tmp_path / "c.h5").write_bytes(damaged)
         with pytest.raises(CheckpointError, match=r"c\.h5 is damaged, or not a checkpoint|format"):
-            pytest.fail(f"{kind}: {load_checkpoint(sim, tmp_path / 'c.h5')}")
+            pytest.fail(f"{kind}: {sc.load_checkpoint(sim, tmp_path / 'c.h5')}")
     assert sim.state.step == 0
 
 
@@ -328,9 +316,9 @@ def summary_of(folder):
 
 def told(path, sim, **figures):
     """Let the checkpoint of a run tell other figures of what went before."""
-    extra = load_checkpoint(sim, path)
+    extra = sc.load_checkpoint(sim, path)
     assert figures.keys() < extra.keys()
-    save_checkpoint(sim, path, extra=extra | figures)
+    sc.save_checkpoint(sim, path, extra=extra | figures)
 
 
 @pytest.fixture(scope="module")
@@ -349,7 +337,7 @@ def resumed(folder, end=END):
 
 def interrupted_at(step, patch):
     """Make checkpoints raise SIGINT at a step."""
-    real, raised = save_checkpoint, []
+    real, raised = sc.save_checkpoint, []
 
     def save(sim, path, *, extra):
         real(sim, path, extra=extra)
@@ -364,8 +352,8 @@ def test_saving_changes_nothing_and_is_repeatable(uninterrupted, tmp_path):
     case().run(tmp_path / "run", checkpoint_every=0.0, **RECORDS)
     assert_same_run(tmp_path / "run", uninterrupted)
     for extra in ({}, {"a": 1, "b": {"c": 2.5}}):
-        save_checkpoint(cutting(), tmp_path / "c.h5", extra=extra)
-        assert load_checkpoint(cutting(), tmp_path / "c.h5") == extra
+        sc.save_checkpoint(cutting(), tmp_path / "c.h5", extra=extra)
+        assert sc.load_checkpoint(cutting(), tmp_path / "c.h5") == extra
 
 
 @pytest.fixture
@@ -429,7 +417,7 @@ def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
     assert (b"cut stopped at path" in done.stderr) == (number == signal.SIGTERM)
     # There is more than the checkpoint knows of.
     again = case()
-    load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
+    sc.load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
     times = read_history(tmp_path / "history.csv")[0]["time"]
     assert (times > again.simulation.state.time).sum() > 3
     resumed(tmp_path)
@@ -438,7 +426,7 @@ def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
 
 def test_where_a_cut_stands_is_kept_to_the_last_digit():
     # On a circle, where the way ahead is found with other round-off at every step.
-    turning = ScrewMotion(500.0, axis=(0.0, 0.0, 1.0), axis_point=(0.0, 40.0, 0.0))
+    turning = sc.ScrewMotion(500.0, axis=(0.0, 0.0, 1.0), axis_point=(0.0, 40.0, 0.0))
     sim = cutting(motion=turning)
     front, again = CutFront(sim, END), CutFront(sim, END)
     while not front.rows(sim)[:, 2].any():
@@ -453,7 +441,7 @@ def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
     # By a hook that stops after any number of steps, not only where rows are written.
     for k, n_step in enumerate([1, 7, 333, 10, 204, 10_000]):
         sim, records = cutting(), RECORDS if k == 0 else {"progress": False, "resume": True}
-        recorder = Recorder(sim, tmp_path, until=END, name="cut", **records)
+        recorder = sc.Recorder(sim, tmp_path, until=END, name="cut", **records)
         last = sim.state.step + n_step
         sim.run(END, [recorder, StopWhen(lambda sim=sim, last=last: sim.state.step >= last)])
         # The row of the end, which a run that goes on does not keep.
@@ -476,7 +464,7 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     monkeypatch.setattr(unfelt.FlankPenetration, "largest", lambda *given: 2.0 * depth(*given))
     Case("cut", cutting(), 8e-6).run(whole, **records)
     first = cutting()
-    recorder = Recorder(first, part, until=8e-6, name="cut", **records)
+    recorder = sc.Recorder(first, part, until=8e-6, name="cut", **records)
     first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
     told(part / "checkpoint.h5", cutting(), drawing=500.0)
     # The last one shows where it stopped, and is drawn again in its turn.
@@ -506,7 +494,7 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
     resumed(tmp_path, 2e-6)
     assert "has already ended, at path" in caplog.text
     with pytest.raises(RunEnded):
-        Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
+        sc.Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
     assert before == there()
     assert resumed(tmp_path, 4e-6).state.time >= 4e-6
     times = read_history(tmp_path / "history.csv")[0]["time"]
@@ -516,17 +504,17 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
 
 
 def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
-    blown = case(stepping=Stepping(fixed=3e-7), damping_beta=5e-8)
+    blown = case(stepping=sc.Stepping(fixed=3e-7), damping_beta=5e-8)
     sim = blown.simulation
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
         blown.run(tmp_path, checkpoint_every=0.0, force=True, **RECORDS)
     assert not sim.between_steps
     with pytest.raises(RuntimeError, match=r"step \d+ was not completed"):
-        save_checkpoint(sim, tmp_path / "half.h5")
+        sc.save_checkpoint(sim, tmp_path / "half.h5")
     assert not (tmp_path / "half.h5").exists()
     # The stepping may change, to save such a run.
-    again = cutting(stepping=Stepping(safety=0.5), damping_beta=5e-8)
-    load_checkpoint(again, tmp_path / "checkpoint.h5")
+    again = cutting(stepping=sc.Stepping(safety=0.5), damping_beta=5e-8)
+    sc.load_checkpoint(again, tmp_path / "checkpoint.h5")
     assert sim.state.step - 10 <= again.state.step < sim.state.step
     before = again.dt
     again.run(again.state.time + 2e-6)
@@ -548,7 +536,7 @@ def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
     checkpoint, history = tmp_path / "checkpoint.h5", tmp_path / "history.csv"
     good, rows = checkpoint.read_bytes(), history.read_bytes().splitlines(keepends=True)
-    save_checkpoint(cutting(), checkpoint)
+    sc.save_checkpoint(cutting(), checkpoint)
     with pytest.raises(CheckpointError, match=r"checkpoint\.h5 was saved by hand"):
         resumed(tmp_path, 4e-6)
     checkpoint.write_bytes(good)
@@ -573,5 +561,5 @@ def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
         resumed(tmp_path, 4e-6)
     # A new run removes the checkpoint of the old one.
-    Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS).close()
+    sc.Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS).close()
     assert not checkpoint.exists()

@@ -8,29 +8,16 @@ import pytest
 import shellcut as sc
 from damaging_film import Damaging
 from naive import cases
-from shellcut import (
-    Elastic,
-    Hencky,
-    Layer,
-    Linear,
-    Mesh,
-    Orthotropic,
-    Plastic,
-    ShellMaterial,
-    Statics,
-    Stepping,
-    Support,
-)
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.instability import UnstableStep
 
 E, NU, H = 1678.0, 0.3, 0.074
-FILM = Elastic(E, NU, 1e-9)
-DRAWN = Orthotropic(1500.0, 4000.0, 0.25, 700.0, 1e-9)
+FILM = sc.Elastic(E, NU, 1e-9)
+DRAWN = sc.Orthotropic(1500.0, 4000.0, 0.25, 700.0, 1e-9)
 SOFT_YIELD = 15.0
-SOFT = Plastic(FILM, Linear(SOFT_YIELD, 60.0))
-FOIL = ShellMaterial([Layer(SOFT, H)], points_per_layer=3)
-RUBBER = ShellMaterial([Layer(Hencky(FILM), H)])
+SOFT = sc.Plastic(FILM, sc.Linear(SOFT_YIELD, 60.0))
+FOIL = sc.ShellMaterial([sc.Layer(SOFT, H)], points_per_layer=3)
+RUBBER = sc.ShellMaterial([sc.Layer(sc.Hencky(FILM), H)])
 
 
 def a_turn(rng):
@@ -132,8 +119,8 @@ def test_axes_follow_the_film_whatever_the_mesh():
     The layer without axes never comes to its onset of damage: the kernels of these two laws are
     compiled for the laminate of test_new_law.py, too.
     """
-    layers = [Layer(DRAWN, 0.05), Layer(Damaging(E, NU, 1e-9, onset=1e3), 0.02)]
-    films = {"five": (layers, None), "two": (layers, 2), "linear": ([Layer(DRAWN, 0.07)], None)}
+    layers = [sc.Layer(DRAWN, 0.05), sc.Layer(Damaging(E, NU, 1e-9, onset=1e3), 0.02)]
+    films = {"five": (layers, None), "two": (layers, 2), "linear": ([sc.Layer(DRAWN, 0.07)], None)}
     corners = np.array([[0.0, 0.0], [2.0, 0.1], [2.2, 1.3], [-0.2, 1.0]])
     rng = np.random.default_rng(9)
     shift, lean = 0.02 * rng.normal(size=(4, 3)), 0.1 * rng.normal(size=(4, 3))
@@ -145,8 +132,8 @@ def test_axes_follow_the_film_whatever_the_mesh():
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         these, points = films[name]
-        film = ShellMaterial(these, points_per_layer=points, direction=turn @ direction)
-        mesh = Mesh.from_arrays(corners @ turn[:2, :2].T, [np.roll([0, 1, 2, 3], first)])
+        film = sc.ShellMaterial(these, points_per_layer=points, direction=turn @ direction)
+        mesh = sc.Mesh.from_arrays(corners @ turn[:2, :2].T, [np.roll([0, 1, 2, 3], first)])
         shell, state = cases.set_up(mesh, film)
         w, rows = energy(shell, state, state.history, mesh.nodes + shift @ turn.T, t @ turn.T)
         parts = [w, rows[:, :3] @ turn, rows[:, 3:6] @ turn]
@@ -169,11 +156,11 @@ def test_axes_follow_the_film_whatever_the_mesh():
 def test_a_direction_that_is_none_is_refused():
     mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
     for direction in ((0.0, 0.0, 1.0), lambda places: 0.0 * places):
-        film = ShellMaterial([Layer(DRAWN, 0.05)], direction=direction)
+        film = sc.ShellMaterial([sc.Layer(DRAWN, 0.05)], direction=direction)
         with pytest.raises(ValueError, match="direction must have a part in the sheet"):
             cases.set_up(mesh, film)
     with pytest.raises(ValueError, match="direction must be a vector of three numbers"):
-        ShellMaterial([Layer(DRAWN, 0.05)], direction=(0.0, 0.0, 0.0))
+        sc.ShellMaterial([sc.Layer(DRAWN, 0.05)], direction=(0.0, 0.0, 0.0))
 
 
 # --- tangents and the step
@@ -202,9 +189,9 @@ def test_a_drawn_film_with_damping_stays_at_rest():
     sim = sc.Simulation(
         mesh,
         RUBBER,
-        supports=[Support.clamped(rim)],
+        supports=[sc.Support.clamped(rim)],
         damping_beta=5e-6,
-        stepping=Stepping(safety=1.0),
+        stepping=sc.Stepping(safety=1.0),
     )
     n = sim.state.node
     n.x[: n.count] = mesh.nodes * [2.2, 1.0, 1.0]
@@ -225,11 +212,11 @@ def test_a_drawn_film_with_damping_stays_at_rest():
 def test_statics_of_a_strip_is_the_hardening_and_converges_quadratically():
     mesh, stress = rectangle(4.0, 2.0, n_x=4, n_y=2), 20.0  # nominal
     supports = [
-        Support("left", translation="xz"),
-        Support("bottom", translation="y", rotation=""),
+        sc.Support("left", translation="xz"),
+        sc.Support("bottom", translation="y", rotation=""),
     ]
     pull = sc.EdgeTraction("right", (1.0, 0.0, 0.0))
-    strip = Statics(mesh, FOIL, supports=supports, loads=[pull])
+    strip = sc.Statics(mesh, FOIL, supports=supports, loads=[pull])
     path = strip.load_steps([10.0 * H, stress * H])
     assert path[-1].n_iteration <= 8
     strain = np.log1p(path[-1].displacement[:, 0].max() / 4.0)
@@ -247,9 +234,9 @@ def test_statics_of_a_strip_is_the_hardening_and_converges_quadratically():
 
 def test_statics_refuses_a_rate():
     rate = sc.JohnsonCook(0.02, 1.0)
-    film = ShellMaterial([Layer(Plastic(FILM, Linear(15.0), rate=rate), H)])
+    film = sc.ShellMaterial([sc.Layer(sc.Plastic(FILM, sc.Linear(15.0), rate=rate), H)])
     with pytest.raises(ValueError, match="statics must have layers whose stress does not depend"):
-        Statics(rectangle(1.0, 1.0, n_x=1, n_y=1), film)
+        sc.Statics(rectangle(1.0, 1.0, n_x=1, n_y=1), film)
 
 
 # --- runs
@@ -257,10 +244,10 @@ def test_statics_refuses_a_rate():
 
 def test_a_quad_folded_flat_stops_the_run_by_name():
     mesh = rectangle(2.0, 1.0, n_x=2, n_y=1)
-    shut = Support("right", velocity={"x": lambda t: -4e4})
-    flat = Support(np.arange(mesh.n_node), translation="z", rotation="xyz")
-    supports = [Support.clamped("left"), shut, flat]
-    sim = sc.Simulation(mesh, RUBBER, supports=supports, stepping=Stepping(evaluate_every=20))
+    shut = sc.Support("right", velocity={"x": lambda t: -4e4})
+    flat = sc.Support(np.arange(mesh.n_node), translation="z", rotation="xyz")
+    supports = [sc.Support.clamped("left"), shut, flat]
+    sim = sc.Simulation(mesh, RUBBER, supports=supports, stepping=sc.Stepping(evaluate_every=20))
     with pytest.raises(UnstableStep, match=r"quad \d+ at .* has been folded flat at step"):
         sim.run(6e-5)
     assert np.isfinite(sim.state.node.force).all()
