@@ -292,7 +292,7 @@ def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeyp
 def test_whatever_the_damage_it_is_a_checkpoint_error(saved, tmp_path):
     sim, sound, rng = cutting(), saved.read_bytes(), np.random.default_rng(16)
     damages = [(b"", "empty"), (b"nothing!" + sound[8:], "foreign")]
-    damages += [mutated(rng, sound, text=False) for _ in range(150)]
+    damages += [mutated(rng, sound, text=False) for _ in range(60)]
     for damaged, kind in damages:
         (tmp_path / "c.h5").write_bytes(damaged)
         with pytest.raises(CheckpointError, match=r"c\.h5 is damaged, or not a checkpoint|format"):
