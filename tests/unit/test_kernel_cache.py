@@ -303,8 +303,7 @@ def test_a_release_is_not_compiled(released, tmp_path):
 
 
 def test_a_kernel_runs_where_nothing_can_be_stored(site):
-    nowhere = _closed(site)
-    assert [pressed(site, **nowhere) for _ in range(2)] == [(pytest.approx(FORCE), 0)] * 2
+    assert pressed(site, **_closed(site)) == (pytest.approx(FORCE), 0)
     assert not list(site.rglob("*.nb?"))
 
 
@@ -313,8 +312,7 @@ def test_a_release_of_other_sources_or_processors_is_compiled_anew(released):
     older = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", **cache}
     assert pressed(released, **older) == (pytest.approx(FORCE), 0)
     edited(released)
-    doubled = pytest.approx(2.0 * FORCE)
-    assert [pressed(released, **cache) for _ in range(2)] == [(doubled, 0), (doubled, 1)]
+    assert pressed(released, **cache) == (pytest.approx(2.0 * FORCE), 0)
 
 
 @pytest.mark.parametrize("kind", ["nbc", "nbi"])

@@ -153,6 +153,9 @@ def test_growth_is_by_the_largest_stretch_of_a_centre(name):
     # A split changes masses, not what has been stretched since.
     since.follow(state, 2.0 * squared)
     assert since.growth(state) == pytest.approx(grown, rel=1e-12)
+    again = StretchSince(1.5)
+    again.restore(since.saved())
+    assert again.growth(state) == since.growth(state)
 
 
 def test_a_film_that_is_drawn_out_after_a_long_rest_stays_stable():
