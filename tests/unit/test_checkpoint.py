@@ -177,6 +177,11 @@ def test_a_relaxed_film_goes_on(tmp_path):
 # --- refusals
 
 
+def still(**options):
+    """Return the strip with sides at rest: where nothing depends on the film's own motion."""
+    return cutting(pulled=False, **options)
+
+
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("saved") / "checkpoint.h5"
@@ -267,11 +272,11 @@ def test_what_is_no_checkpoint_is_refused(saved, tmp_path):
         ("folder", "not a regular file"),
     ):
         with pytest.raises((CheckpointError, FileNotFoundError), match=said):
-            sc.load_checkpoint(cutting(), tmp_path / f"{name}.h5")
+            sc.load_checkpoint(still(), tmp_path / f"{name}.h5")
 
 
 def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeypatch, caplog):
-    short, path = Case("cut", cutting(), 5e-6), tmp_path / "c.h5"
+    short, path = Case("cut", still(), 5e-6), tmp_path / "c.h5"
     sc.save_checkpoint(short.simulation, path)
     good = path.read_bytes()
 
@@ -280,7 +285,7 @@ def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeyp
 
     monkeypatch.setattr(shellcut.recording.checkpoint.os, "fsync", full)
     with pytest.raises(OSError, match="No space left"):
-        sc.save_checkpoint(cutting(), path)
+        sc.save_checkpoint(still(), path)
     assert path.read_bytes() == good
     assert [p.name for p in tmp_path.iterdir()] == ["c.h5"]
     short.run(tmp_path / "run", checkpoint_every=0.0, **RECORDS)
@@ -328,11 +333,10 @@ def uninterrupted(no_pictures, tmp_path_factory):
     return folder
 
 
-def resumed(folder, end=END):
-    """Go on with the run in a folder up to a time."""
-    one = Case("cut", cutting(), end)
-    one.run(folder, resume=True, progress=False)
-    return one.simulation
+def resumed(folder, sim, end=END):
+    """Go on with the run in a folder up to a time; return the simulation."""
+    Case("cut", sim, end).run(folder, resume=True, progress=False)
+    return sim
 
 
 def interrupted_at(step, patch):
@@ -377,8 +381,8 @@ def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog
     assert "cut stopped at path" in caplog.text
     assert f"resume from the checkpoint in {tmp_path}" in caplog.text
     assert sc.read(tmp_path).times[-1] == first.simulation.state.time < END
-    told(tmp_path / "checkpoint.h5", case().simulation, wall=1000.0)
-    resumed(tmp_path)
+    told(tmp_path / "checkpoint.h5", cutting(), wall=1000.0)
+    resumed(tmp_path, cutting())
     assert_same_run(tmp_path, uninterrupted)
     assert 1000.0 < summary_of(tmp_path)["wall_s"] < 1100.0
 
@@ -420,7 +424,7 @@ def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
     sc.load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
     times = read_history(tmp_path / "history.csv")[0]["time"]
     assert (times > again.simulation.state.time).sum() > 3
-    resumed(tmp_path)
+    resumed(tmp_path, cutting())
     assert_same_run(tmp_path, uninterrupted)
 
 
@@ -462,15 +466,15 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
 
     monkeypatch.setattr(unfelt, "missed_penetration", lambda *given: (1, depth(*given)))
     monkeypatch.setattr(unfelt.FlankPenetration, "largest", lambda *given: 2.0 * depth(*given))
-    Case("cut", cutting(), 8e-6).run(whole, **records)
-    first = cutting()
+    Case("cut", still(), 8e-6).run(whole, **records)
+    first = still()
     recorder = sc.Recorder(first, part, until=8e-6, name="cut", **records)
     first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
-    told(part / "checkpoint.h5", cutting(), drawing=500.0)
+    told(part / "checkpoint.h5", still(), drawing=500.0)
     # The last one shows where it stopped, and is drawn again in its turn.
     drawn = ["energy", "force", "snapshot_00", "snapshot_01"]
     assert sorted(p.stem for p in part.glob("*.png")) == drawn
-    resumed(part, 8e-6)
+    resumed(part, still(), 8e-6)
     pictures = sorted(p.name for p in whole.glob("*.png"))
     assert sorted(p.name for p in part.glob("*.png")) == pictures
     for name in (*pictures, "history.csv"):
@@ -480,7 +484,7 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     assert 500.0 < summary["pictures_s"] < 600.0
     # As if killed at its end: summed up, and nothing is drawn once more that was drawn there.
     (part / "summary.json").unlink()
-    resumed(part, 8e-6)
+    resumed(part, still(), 8e-6)
     assert sorted(p.name for p in part.glob("*.png")) == pictures
     assert summary_of(part)["n_step"] == summary_of(whole)["n_step"]
 
@@ -489,14 +493,14 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
     def there():
         return {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
 
-    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    Case("cut", still(), 2e-6).run(tmp_path, **RECORDS)
     before = there()
-    resumed(tmp_path, 2e-6)
+    resumed(tmp_path, still(), 2e-6)
     assert "has already ended, at path" in caplog.text
     with pytest.raises(RunEnded):
-        sc.Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
+        sc.Recorder(still(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
     assert before == there()
-    assert resumed(tmp_path, 4e-6).state.time >= 4e-6
+    assert resumed(tmp_path, still(), 4e-6).state.time >= 4e-6
     times = read_history(tmp_path / "history.csv")[0]["time"]
     assert times[0] == 0.0
     assert times[-1] > 3.5e-6
@@ -504,7 +508,7 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
 
 
 def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
-    blown = case(stepping=sc.Stepping(fixed=3e-7), damping_beta=5e-8)
+    blown = Case("cut", still(stepping=sc.Stepping(fixed=3e-7), damping_beta=5e-8), END)
     sim = blown.simulation
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
         blown.run(tmp_path, checkpoint_every=0.0, force=True, **RECORDS)
@@ -513,7 +517,7 @@ def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
         sc.save_checkpoint(sim, tmp_path / "half.h5")
     assert not (tmp_path / "half.h5").exists()
     # The stepping may change, to save such a run.
-    again = cutting(stepping=sc.Stepping(safety=0.5), damping_beta=5e-8)
+    again = still(stepping=sc.Stepping(safety=0.5), damping_beta=5e-8)
     sc.load_checkpoint(again, tmp_path / "checkpoint.h5")
     assert sim.state.step - 10 <= again.state.step < sim.state.step
     before = again.dt
@@ -529,16 +533,16 @@ def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
 def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     for interval in (-1.0, float("nan")):
         with pytest.raises(ValueError, match="checkpoint_every must be 0 or more"):
-            case().run(tmp_path, checkpoint_every=interval, progress=False)
+            Case("cut", still(), END).run(tmp_path, checkpoint_every=interval, progress=False)
     with pytest.raises(FileNotFoundError, match=r"has no checkpoint\.h5 to resume from"):
-        resumed(tmp_path / "none")
+        resumed(tmp_path / "none", still())
     assert not (tmp_path / "none").exists()
-    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
+    Case("cut", still(), 2e-6).run(tmp_path, **RECORDS)
     checkpoint, history = tmp_path / "checkpoint.h5", tmp_path / "history.csv"
     good, rows = checkpoint.read_bytes(), history.read_bytes().splitlines(keepends=True)
-    sc.save_checkpoint(cutting(), checkpoint)
+    sc.save_checkpoint(still(), checkpoint)
     with pytest.raises(CheckpointError, match=r"checkpoint\.h5 was saved by hand"):
-        resumed(tmp_path, 4e-6)
+        resumed(tmp_path, still(), 4e-6)
     checkpoint.write_bytes(good)
     there = sorted(path.name for path in tmp_path.iterdir())
     assert "summary.json" in there
@@ -553,13 +557,13 @@ def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     ):
         history.write_bytes(b"".join(left))
         with pytest.raises(ValueError, match=rf"history\.csv {said}"):
-            resumed(tmp_path, 4e-6)
+            resumed(tmp_path, still(), 4e-6)
         assert history.read_bytes() == b"".join(left)
         assert sorted(path.name for path in tmp_path.iterdir()) == there  # nothing is removed
     history.write_bytes(b"".join(rows))
     (tmp_path / "cut.vtkhdf").unlink()
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
-        resumed(tmp_path, 4e-6)
+        resumed(tmp_path, still(), 4e-6)
     # A new run removes the checkpoint of the old one.
-    sc.Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS).close()
+    sc.Recorder(still(), tmp_path, until=END, name="cut", **RECORDS).close()
     assert not checkpoint.exists()

@@ -47,6 +47,11 @@ def whole(no_pictures, tmp_path_factory):
     return case, read(folder)
 
 
+def still(**options):
+    """Return the strip with sides at rest: where nothing depends on the film's own motion."""
+    return cutting(pulled=False, **options)
+
+
 def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     case, results = whole
     sim, h, summary = case.simulation, results.history, results.summary
@@ -89,7 +94,7 @@ def test_splits_are_told_with_place_and_reference(whole):
 
 
 def test_a_case_is_run_once(tmp_path):
-    case = Case("cut", cutting(), END)
+    case = Case("cut", still(), END)
     case.run(tmp_path, **RECORDS)
     before = contents(tmp_path)
     for resume in (False, True):
@@ -99,10 +104,10 @@ def test_a_case_is_run_once(tmp_path):
 
 
 def test_what_says_that_a_run_has_ended_goes_with_a_new_one_or_one_gone_on_with(tmp_path):
-    Case("cut", cutting(), END).run(tmp_path, **RECORDS)
+    Case("cut", still(), END).run(tmp_path, **RECORDS)
     assert read(tmp_path).summary
     for options in ({"until": END}, {"until": 2 * END, "resume": True}):
-        recorder = Recorder(cutting(), tmp_path, name="cut", **options, **RECORDS)
+        recorder = Recorder(still(), tmp_path, name="cut", **options, **RECORDS)
         summary, splits = read(tmp_path).summary, (tmp_path / "splits.csv").exists()
         recorder.close()
         assert summary == {}
@@ -115,7 +120,7 @@ def test_a_frame_that_cannot_be_made_does_not_hide_why_the_run_died(tmp_path, ca
             sim.state.node.velocity_half[0] = np.nan
         return False
 
-    sim, records = cutting(), RECORDS | {"n_frame": 1000}
+    sim, records = still(), RECORDS | {"n_frame": 1000}
     recorder = Recorder(sim, tmp_path, until=2e-5, name="cut", **records)
     with pytest.raises(UnstableStep, match="blew up"):
         sim.run(2e-5, [StopWhen(lambda: spoil(sim)), recorder])
@@ -124,7 +129,7 @@ def test_a_frame_that_cannot_be_made_does_not_hide_why_the_run_died(tmp_path, ca
 
 
 def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
-    sim = cutting()
+    sim = still()
     recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
     sim.run(END, [recorder, StopWhen(lambda: sim.state.step >= 3)])
     summary = read(tmp_path).summary
@@ -142,7 +147,7 @@ def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
 
 
 def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, caplog):
-    sim = cutting()
+    sim = still()
     recorder = Recorder(sim, tmp_path, until=END, name="cut", **RECORDS)
     before = [r.getMessage() for r in caplog.records if r.name.startswith("shellcut.checks")]
     assert any("opening_u must be at least" in text for text in before)
@@ -159,7 +164,7 @@ def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, ca
 
 
 def test_what_is_refused_leaves_nothing(tmp_path):
-    sim = cutting(material=ShellMaterial.homogeneous(thickness=74.0))
+    sim = still(material=ShellMaterial.homogeneous(thickness=74.0))
     with pytest.raises(RefusedModel, match="a shell should be thin"):
         Recorder(sim, tmp_path / "none", until=END, name="cut", **RECORDS)
     assert not (tmp_path / "none").exists()
@@ -174,7 +179,7 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
     motion = TableMotion(
         [0.0, 1.0], [[0.0, 0.0, 0.0]] * 2, rotation_vectors=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.5]]
     )
-    sim, r = cutting(motion=motion), Resistance(motion, 1.0)
+    sim, r = still(motion=motion), Resistance(motion, 1.0)
     assert r.coordinate_unit == "deg"
     angle = np.linspace(0.0, 80.0, 1601)
     columns = (
@@ -203,7 +208,7 @@ def test_what_goes_wrong_while_a_frame_is_written_reaches_the_run(tmp_path, monk
         raise OSError("no space left")
 
     monkeypatch.setattr(VtkHdfWriter, "append", fail)
-    sim = cutting()
+    sim = still()
     with pytest.raises(OSError, match="no space left"):
         Case("cut", sim, END).run(tmp_path, **RECORDS)
     assert sim.state.time < END
@@ -222,7 +227,7 @@ def test_how_deep_the_tool_goes_unfelt_does_not_depend_on_the_frames(tmp_path, m
     for n_frame in (1, 7, 200):
         looked.clear()
         folder = tmp_path / str(n_frame)
-        Case("cut", cutting(), 2e-5).run(folder, **RECORDS | {"n_frame": n_frame})
+        Case("cut", still(), 2e-5).run(folder, **RECORDS | {"n_frame": n_frame})
         histories.add((folder / "history.csv").read_bytes())
         # A hundred times in a run, or every ten steps of a short one.
         assert len(looked) >= 100 or len(looked) == 1 + looked[-1] // 10
@@ -236,7 +241,7 @@ def test_a_cutting_edge_ahead_of_a_tip_is_not_unfelt(monkeypatch):
         return left_out.append(felt.tolist()), 0.0
 
     monkeypatch.setattr(shellcut.recording.unfelt_penetration, "missed_penetration", missed)
-    sim = cutting()
+    sim = still()
     UnfeltPenetration(sim).now()
     assert left_out == [sim.cracks.tip_nodes(sim.state).tolist()] != [[]]  # no point presses yet
 
@@ -245,7 +250,7 @@ def test_a_log_that_fails_costs_neither_checkpoint_nor_files(tmp_path):
     def fail(_):
         raise RuntimeError("no log")
 
-    sim = cutting()
+    sim = still()
     with pytest.raises(RuntimeError, match="no log"):
         Case("cut", sim, END).run(tmp_path, log=fail, **RECORDS | {"progress": True})
     assert (tmp_path / "checkpoint.h5").exists()
@@ -263,7 +268,7 @@ def test_pictures_are_in_the_order_of_their_numbers(tmp_path):
 def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys):
     # The blade starts slowly: a third of the time is a tenth of the path.
     monkeypatch.setattr(shellcut.view.progress, "LINE_INTERVAL", 0.0)
-    sim = cutting(motion=StraightMotion((1, 0, 0), 2e4, ramp=10 * END))
+    sim = still(motion=StraightMotion((1, 0, 0), 2e4, ramp=10 * END))
     said = []
     Case("cut", sim, 10 * END).run(tmp_path, log=said.append, **RECORDS | {"progress": True})
     shares = [int(text.split(" %: ")[0]) for text in said]
@@ -292,6 +297,6 @@ def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
 
     monkeypatch.setattr(VtkHdfWriter, "append", slow)
     monkeypatch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
-    Case("cut", cutting(), END).run(tmp_path, checkpoint_every=0.0, **RECORDS)
+    Case("cut", still(), END).run(tmp_path, checkpoint_every=0.0, **RECORDS)
     assert len(written) > RECORDS["n_frame"]
     assert not lacking
