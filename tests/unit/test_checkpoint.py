@@ -508,7 +508,7 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
 
 
 def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
-    blown = Case("cut", still(stepping=sc.Stepping(fixed=3e-7), damping_beta=5e-8), END)
+    blown = Case("cut", cutting(stepping=sc.Stepping(fixed=3e-7), damping_beta=5e-8), END)
     sim = blown.simulation
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
         blown.run(tmp_path, checkpoint_every=0.0, force=True, **RECORDS)
@@ -517,7 +517,7 @@ def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
         sc.save_checkpoint(sim, tmp_path / "half.h5")
     assert not (tmp_path / "half.h5").exists()
     # The stepping may change, to save such a run.
-    again = still(stepping=sc.Stepping(safety=0.5), damping_beta=5e-8)
+    again = cutting(stepping=sc.Stepping(safety=0.5), damping_beta=5e-8)
     sc.load_checkpoint(again, tmp_path / "checkpoint.h5")
     assert sim.state.step - 10 <= again.state.step < sim.state.step
     before = again.dt
@@ -565,5 +565,7 @@ def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
         resumed(tmp_path, still(), 4e-6)
     # A new run removes the checkpoint of the old one.
-    sc.Recorder(still(), tmp_path, until=END, name="cut", **RECORDS).close()
-    assert not checkpoint.exists()
+    recorder = sc.Recorder(still(), tmp_path, until=END, name="cut", **RECORDS)
+    is_there = checkpoint.exists()
+    recorder.close()
+    assert not is_there
