@@ -308,11 +308,12 @@ def test_whatever_the_damage_it_is_a_checkpoint_error(saved, tmp_path):
 # --- runs in a folder
 
 
+HALF = 0.5 * END
 RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 3, "progress": False}
 
 
 def case(**options):
-    return Case("cut", cutting(**options), END)
+    return Case("cut", cutting(**options), HALF)
 
 
 def summary_of(folder):
@@ -333,7 +334,7 @@ def uninterrupted(no_pictures, tmp_path_factory):
     return folder
 
 
-def resumed(folder, sim, end=END):
+def resumed(folder, sim, end=HALF):
     """Go on with the run in a folder up to a time; return the simulation."""
     Case("cut", sim, end).run(folder, resume=True, progress=False)
     return sim
@@ -372,15 +373,15 @@ def heard_interrupts():
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
     with monkeypatch.context() as patch:
-        interrupted_at(400, patch)
+        interrupted_at(200, patch)
         with pytest.raises(KeyboardInterrupt):
             first.run(tmp_path, checkpoint_every=0.0, **RECORDS)
     # Between steps, at once, everything saved and said.
     assert first.simulation.between_steps
-    assert first.simulation.state.step == 400
+    assert first.simulation.state.step == 200
     assert "cut stopped at path" in caplog.text
     assert f"resume from the checkpoint in {tmp_path}" in caplog.text
-    assert sc.read(tmp_path).times[-1] == first.simulation.state.time < END
+    assert sc.read(tmp_path).times[-1] == first.simulation.state.time < HALF
     told(tmp_path / "checkpoint.h5", cutting(), wall=1000.0)
     resumed(tmp_path, cutting())
     assert_same_run(tmp_path, uninterrupted)
@@ -397,10 +398,10 @@ from test_checkpoint import RECORDS, case
 killed = []
 
 def save(sim, path, *, extra):
-    if sim.state.step <= 300:
+    if sim.state.step <= 150:
         save_checkpoint(sim, path, extra=extra)
-    if sim.state.step == 520 and not killed:
-        killed.append(520)
+    if sim.state.step == 260 and not killed:
+        killed.append(260)
         os.kill(os.getpid(), {signal})
 
 shellcut.recording.recorder.save_checkpoint = save
@@ -443,11 +444,11 @@ def test_where_a_cut_stands_is_kept_to_the_last_digit():
 
 def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
     # By a hook that stops after any number of steps, not only where rows are written.
-    for k, n_step in enumerate([1, 7, 333, 10, 204, 10_000]):
+    for k, n_step in enumerate([1, 7, 133, 10, 104, 10_000]):
         sim, records = cutting(), RECORDS if k == 0 else {"progress": False, "resume": True}
-        recorder = sc.Recorder(sim, tmp_path, until=END, name="cut", **records)
+        recorder = sc.Recorder(sim, tmp_path, until=HALF, name="cut", **records)
         last = sim.state.step + n_step
-        sim.run(END, [recorder, StopWhen(lambda sim=sim, last=last: sim.state.step >= last)])
+        sim.run(HALF, [recorder, StopWhen(lambda sim=sim, last=last: sim.state.step >= last)])
         # The row of the end, which a run that goes on does not keep.
         assert read_history(tmp_path / "history.csv")[0]["time"][-1] == sim.state.time
     assert_same_run(tmp_path, uninterrupted)
