@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
+import shellcut as sc
 import shellcut.recording.checkpoint
 import shellcut.recording.recorder
 import shellcut.recording.unfelt_penetration
@@ -22,23 +23,15 @@ from gone_on import differing, flat, numbers_of
 from notched_strip import cutting
 from open_files import is_open
 from same_run import assert_same_run
-from shellcut.fracture.options import Fracture
-from shellcut.loads.loads import EdgeTraction, Gravity, Pressure
-from shellcut.loads.supports import Support
-from shellcut.material.shell_material import Elastic, Layer, ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
-from shellcut.recording.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.cut_front import CutFront
-from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.recorder import RunEnded
 from shellcut.results.history import read_history
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
-from shellcut.simulation.simulation import Simulation
-from shellcut.simulation.stable_step import Stepping
 from shellcut.state import BROKEN
-from shellcut.tool.motion import ScrewMotion, StraightMotion
-from shellcut.tool.table_motion import TableMotion
 
 try:
     import matplotlib
@@ -49,53 +42,27 @@ END = 8e-5
 
 pytestmark = pytest.mark.usefixtures("no_pictures")
 
-LAYERED = ShellMaterial(
-    [Layer(Elastic(2000.0, 0.3, 1.1e-9), 0.03), Layer(Elastic(900.0, 0.4, 0.9e-9), 0.05)],
-    points_per_layer=2,
-)
-
-
-class Sliding:
-    """A motion of the user's own, which no list of fields describes."""
-
-    coordinate_unit = "mm"
-
-    def __init__(self, speed):
-        self._speed = speed
-
-    def pose(self, time):
-        return np.eye(3), np.array([self._speed * time, 0.0, 0.0])
-
-    def twist(self, time):
-        return np.zeros(3), np.array([self._speed, 0.0, 0.0])
-
-    def coordinate(self, time):
-        return self._speed * time
+STIFF, SOFT = sc.Elastic(2000.0, 0.3, 1.1e-9), sc.Elastic(900.0, 0.4, 0.9e-9)
+LAYERED = sc.ShellMaterial([sc.Layer(STIFF, 0.03), sc.Layer(SOFT, 0.05)], points_per_layer=2)
 
 
 LOADS = [
-    Pressure(0.002, following=True, factor=lambda time: min(time / 1e-4, 1.0)),
-    Pressure(0.001),
-    EdgeTraction("right", (0.01, 0.0, 0.0)),
-    Gravity((0.0, 0.0, -9810.0)),
+    sc.Pressure(0.002, following=True, factor=lambda time: min(time / 1e-4, 1.0)),
+    sc.Pressure(0.001),
+    sc.EdgeTraction("right", (0.01, 0.0, 0.0)),
+    sc.Gravity((0.0, 0.0, -9810.0)),
 ]
 PULLED = [
-    Support("bottom"),
-    Support("top", velocity={"y": lambda time: 30.0 * min(time / 1e-4, 1.0)}),
+    sc.Support("bottom"),
+    sc.Support("top", velocity={"y": lambda time: 30.0 * min(time / 1e-4, 1.0)}),
 ]
-RUNS = {
-    "force": (cutting, END, {}),
-    "stress": (cutting, END, {"fracture": Fracture(criterion="stress")}),
-    "through quads": (
-        *(cut_strip, 1.5e-4),
-        {
-            "material": LAYERED,
-            "loads": LOADS,
-            "supports": PULLED,
-            "fracture": Fracture(path="free", check_every=5),
-        },
-    ),
+ASIDE = {
+    "material": LAYERED,
+    "loads": LOADS,
+    "supports": PULLED,
+    "fracture": sc.Fracture(path="free", check_every=5),
 }
+RUNS = {"force": (cutting, END, {}), "through quads": (cut_strip, 1.5e-4, ASIDE)}
 
 
 def built(name):
@@ -108,10 +75,10 @@ def whole(request, tmp_path_factory):
     """An uninterrupted run, checkpoints of it at some steps, and the steps it took."""
     folder = tmp_path_factory.mktemp(request.param)
     sim, end = built(request.param), RUNS[request.param][1]
-    steps = {}
-    dts = []
-    moments = {"start": lambda: True, "before contact": lambda: sim.state.step == 5}
-    moments |= {
+    steps, dts = {}, []
+    moments = {
+        "start": lambda: True,
+        "before contact": lambda: sim.state.step == 5,
         "contact": lambda: sim.contact.forces.n_touching > 0,
         "split": lambda: sim.state.n_cable > 0,
         "joint": lambda: sim.cables.n_joint_made > 0,
@@ -122,7 +89,7 @@ def whole(request, tmp_path_factory):
     while sim.state.time < end:
         for moment, has_come in moments.items():
             if moment not in steps and has_come():
-                save_checkpoint(sim, folder / f"{moment}.h5")
+                sc.save_checkpoint(sim, folder / f"{moment}.h5")
                 steps[moment] = sim.state.step
         sim.step()
         dts.append(sim.state.dt)
@@ -134,89 +101,85 @@ def whole(request, tmp_path_factory):
 
 
 def test_from_any_moment_on_it_is_the_same_run(whole):
-    # To the next moment but one, in the very state that was saved there; after the start to the
-    # end. What is nowhere saved would show in the next test.
+    # To the next moment but one, in the very state that was saved there; from the start and from
+    # the first joint to the end.
     name, sim, folder, steps, dts = whole
     moments = sorted(steps, key=steps.get)
-    for k, moment in enumerate(moments):
-        step, wanted = steps[moment], sim
-        end = len(dts)
-        if k and moment != "joint" and k + 2 < len(moments):
-            wanted, end = built(name), steps[moments[k + 2]]
-            load_checkpoint(wanted, folder / f"{moments[k + 2]}.h5")
+    for moment, later in zip(moments, [*moments[2:], "", ""], strict=True):
+        step, wanted, end = steps[moment], sim, len(dts)
+        if later and moment not in ("start", "joint"):
+            wanted, end = built(name), steps[later]
+            sc.load_checkpoint(wanted, folder / f"{later}.h5")
         again = built(name)
-        assert load_checkpoint(again, folder / f"{moment}.h5") == {}
+        assert sc.load_checkpoint(again, folder / f"{moment}.h5") == {}
         assert again.state.step == step
         assert isinstance(again.state.step, int)
         assert all(isinstance(split.place, tuple) for split in again.state.split_log)
-        went = []
-        while again.state.step < end:
+        for dt in dts[step:end]:
             again.step()
-            went.append(again.state.dt)
-        assert went == dts[step:end], moment
+            assert again.state.dt == dt, moment
         assert again.state.split_log == wanted.state.split_log, moment
         assert differing(wanted, again) == [], moment
+        if moment == "joint":
+            check_that_nothing_else_has_a_history(sim, again)
 
 
-def test_nothing_else_has_a_history(whole):
-    name, sim, folder, *_ = whole
-    again = built(name)
-    load_checkpoint(again, folder / "joint.h5")
-    while again.state.time < RUNS[name][1]:
-        again.step()
-    mine, other = numbers_of(sim), numbers_of(again)
-    for numbers in (mine, other):  # of searches since the run began, or since the checkpoint
-        numbers.pop("sim.cracks._pierce._near.n_search", None)
-        # Tables of the film's motion follow from its start; how far they go depends on who asked.
-        table = re.compile(r"\._(poses|twists|travel|solved)\b")
-        for key in [key for key in numbers if table.search(key)]:
-            del numbers[key]
-    assert len(mine) > 300
+# Numbers of searches since the run began, or since the checkpoint. Tables of the film's motion
+# follow from its start; how far they go depends on who asked.
+FOLLOWS = re.compile(r"_pierce\._near\.n_search$|\._(poses|twists|travel|solved)\b")
+
+
+def check_that_nothing_else_has_a_history(sim, again):
+    """Compare all numbers of two simulations, saved or not."""
     # The tables of the state have rows in reserve, which nobody reads.
     rows = {"node": sim.state.n_node, "cable": sim.state.n_cable}
     rows |= {"quad": sim.state.n_quad, "flank": sim.state.flank.count}
 
     def used(path, array):
-        table = path.removeprefix("sim.state.").partition(".")[0]
-        return (
-            array[: rows[table]]
-            if path.startswith("sim.state.") and table in rows and array.ndim
-            else array
-        )
+        table = re.match(r"sim\.state\.(\w+)", path)
+        return array[: rows.get(table[1])] if table and array.ndim else array
 
+    mine, other = (
+        {path: used(path, array) for path, array in numbers.items() if not FOLLOWS.search(path)}
+        for numbers in (numbers_of(sim), numbers_of(again))
+    )
+    assert len(mine) > 300
     assert mine.keys() == other.keys()
-    assert [
-        path for path in mine if not np.array_equal(used(path, mine[path]), used(path, other[path]))
-    ] == []
+    assert [path for path in mine if not np.array_equal(mine[path], other[path])] == []
 
 
 def test_a_relaxed_film_goes_on(tmp_path):
-    # Finer at one side: at the start only the quads there are looked at one by one, then all.
+    # Finer at one side: at the start only the quads there are evaluated one by one, then all.
     def stretched():
         mesh = rectangle(2.0, 2.0, n_x=8, n_y=8)
         nodes = mesh.nodes * (1.0, 1.0, 0.0)
         nodes[mesh.node_set("right"), 0] = 1.9
-        mesh = type(mesh).from_arrays(nodes, mesh.quads, node_sets=mesh.node_sets)
-        return Simulation(
-            mesh,
-            ShellMaterial.homogeneous(),
-            supports=[Support.pinned([*mesh.node_set("left"), *mesh.node_set("right")])],
-            loads=[Pressure(1e-2)],
+        sides = [*mesh.node_set("left"), *mesh.node_set("right")]
+        return sc.Simulation(
+            sc.Mesh.from_arrays(nodes, mesh.quads),
+            sc.ShellMaterial.homogeneous(),
+            supports=[sc.Support.pinned(sides)],
+            loads=[sc.Pressure(1e-2)],
         )
 
     sim = stretched()
     sim.relax(sim.mesh.nodes * (0.01, 0.0, 0.0), tolerance=1e-2)
-    save_checkpoint(sim, tmp_path / "c.h5")
+    sc.save_checkpoint(sim, tmp_path / "c.h5")
     again = stretched()
     assert {"frequencies.row", "time_step.known"} <= set(differing(sim, again))
-    load_checkpoint(again, tmp_path / "c.h5")
+    sc.load_checkpoint(again, tmp_path / "c.h5")
     assert differing(sim, again) == []
     for one in (sim, again):
         one.run(5e-6)
     assert differing(sim, again) == []
 
 
-# ---------------------------------------------------------------- refusals
+# --- refusals
+
+
+def still(**options):
+    """Return the strip with sides at rest: where nothing depends on the film's own motion."""
+    return cutting(pulled=False, **options)
 
 
 @pytest.fixture(scope="module")
@@ -224,36 +187,37 @@ def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("saved") / "checkpoint.h5"
     sim = cutting()
     sim.run(2e-5)
-    save_checkpoint(sim, path)
+    sc.save_checkpoint(sim, path)
     return path
 
 
-TWIN_LAYERS = [Layer(Elastic(1678.0, 0.3, 1.0e-9), 0.037)] * 2
+homogeneous = sc.ShellMaterial.homogeneous
+A_TABLE = sc.TableMotion([0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 @pytest.mark.parametrize(
     ("options", "named"),
     [
         ({"size": 0.5}, "mesh.nodes: 46 x 3 numbers"),
-        ({"material": ShellMaterial.homogeneous(thickness=0.08)}, "layers[0].thickness: 0.074 in"),
-        ({"material": ShellMaterial.homogeneous(young=1700.0)}, "layers[0].material.young: 1678.0"),
-        ({"material": ShellMaterial(TWIN_LAYERS)}, "material.layers: 1 entries in"),
-        ({"material": ShellMaterial.homogeneous(points_per_layer=2)}, "points_per_layer: None in"),
+        (
+            {"material": homogeneous(thickness=0.08)},
+            "layers[0].thickness: 0.074 in",
+        ),
+        (
+            {"material": homogeneous(young=1700.0)},
+            "layers[0].material.young: 1678.0",
+        ),
+        ({"material": LAYERED}, "material.layers: 1 entries in"),
+        (
+            {"material": homogeneous(points_per_layer=2)},
+            "points_per_layer: None in",
+        ),
         ({"blade": 0.12}, "tool.vertices: "),
-        ({"motion": StraightMotion((1, 0, 0), 2.1e4, ramp=5e-6)}, "motion.speed: 20000.0 in"),
-        (
-            {"motion": ScrewMotion(100.0, axis=(1, 0, 0))},
-            "motion: StraightMotion in the checkpoint",
-        ),
-        (
-            {"motion": TableMotion([0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])},
-            "motion.times: nothing in the checkpoint, [0.0, 1.0] in",
-        ),
+        ({"motion": sc.StraightMotion((1, 0, 0), 2.1e4, ramp=5e-6)}, "motion.speed: 20000.0 in"),
+        ({"motion": sc.ScrewMotion(100.0, axis=(1, 0, 0))}, "motion: StraightMotion in the check"),
+        ({"motion": A_TABLE}, "motion.times: nothing in the checkpoint, [0.0, 1.0] in"),
         ({"strength": 17.0}, "law.strength: 18.0 in the checkpoint, 17.0 in this simulation"),
-        (
-            {"fracture": Fracture(criterion="stress")},
-            "fracture.criterion: 'force' in",
-        ),
+        ({"fracture": sc.Fracture(criterion="stress")}, "fracture.criterion: 'force' in"),
         ({"pressure": 2e-3}, "loads[0].value: 0.001 in"),
         ({"set_name": "bottom"}, "supports: 2 entries in the checkpoint, 1 entries in"),
         ({"damping_beta": 1e-8}, "1e-08 in this simulation"),
@@ -265,29 +229,39 @@ def test_another_model_is_refused_and_left_as_it_is(saved, options, named):
     sim = cutting(**options)
     before = {name: rows.copy() for name, rows in flat(sim.saved()).items()}
     with pytest.raises(CheckpointError, match="belongs to another model") as refusal:
-        load_checkpoint(sim, saved)
+        sc.load_checkpoint(sim, saved)
     assert named in str(refusal.value)
     after = flat(sim.saved())
     assert all(np.array_equal(before[name], after[name]) for name in before)
+
+
+class Sliding:
+    """A motion of a user's own, which no list of fields describes."""
+
+    coordinate_unit = "mm"
+
+    def __init__(self, speed):
+        self._motion = sc.StraightMotion((1.0, 0.0, 0.0), speed)
+        self.pose, self.twist = self._motion.pose, self._motion.twist
+        self.coordinate = self._motion.coordinate
 
 
 def test_a_simulation_that_has_run_or_a_motion_of_another_pose_is_refused(saved, tmp_path):
     sim = cutting()
     sim.step()
     with pytest.raises(ValueError, match="not run yet, but this one is at step 1: build it again"):
-        load_checkpoint(sim, saved)
+        sc.load_checkpoint(sim, saved)
     sim = cutting(motion=Sliding(2e4))
     sim.run(1e-6)
-    save_checkpoint(sim, tmp_path / "c.h5")
-    load_checkpoint(cutting(motion=Sliding(2e4)), tmp_path / "c.h5")
+    sc.save_checkpoint(sim, tmp_path / "c.h5")
+    sc.load_checkpoint(cutting(motion=Sliding(2e4)), tmp_path / "c.h5")
     with pytest.raises(CheckpointError, match="motion: the translation at 1"):
-        load_checkpoint(cutting(motion=Sliding(2.1e4)), tmp_path / "c.h5")
+        sc.load_checkpoint(cutting(motion=Sliding(2.1e4)), tmp_path / "c.h5")
 
 
 def test_what_is_no_checkpoint_is_refused(saved, tmp_path):
-    (tmp_path / "newer.h5").write_bytes(
-        re.sub(rb"format \d+", b"format 99", saved.read_bytes(), count=1)
-    )
+    newer = re.sub(rb"format \d+", b"format 99", saved.read_bytes(), count=1)
+    (tmp_path / "newer.h5").write_bytes(newer)
     with h5py.File(tmp_path / "foreign.h5", "w") as file:
         file["x"] = 1.0
     (tmp_path / "folder.h5").mkdir()
@@ -298,12 +272,12 @@ def test_what_is_no_checkpoint_is_refused(saved, tmp_path):
         ("folder", "not a regular file"),
     ):
         with pytest.raises((CheckpointError, FileNotFoundError), match=said):
-            load_checkpoint(cutting(), tmp_path / f"{name}.h5")
+            sc.load_checkpoint(still(), tmp_path / f"{name}.h5")
 
 
 def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeypatch, caplog):
-    short, path = Case("cut", cutting(), 5e-6), tmp_path / "c.h5"
-    save_checkpoint(short.simulation, path)
+    short, path = Case("cut", still(), 5e-6), tmp_path / "c.h5"
+    sc.save_checkpoint(short.simulation, path)
     good = path.read_bytes()
 
     def full(_):
@@ -311,7 +285,7 @@ def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeyp
 
     monkeypatch.setattr(shellcut.recording.checkpoint.os, "fsync", full)
     with pytest.raises(OSError, match="No space left"):
-        save_checkpoint(cutting(), path)
+        sc.save_checkpoint(still(), path)
     assert path.read_bytes() == good
     assert [p.name for p in tmp_path.iterdir()] == ["c.h5"]
     short.run(tmp_path / "run", checkpoint_every=0.0, **RECORDS)
@@ -320,28 +294,26 @@ def test_a_full_disk_is_said_once_and_leaves_the_last_good_one(tmp_path, monkeyp
     assert not (tmp_path / "run" / "checkpoint.h5").exists()
 
 
-# ---------------------------------------------------------------- damage
-
-
 def test_whatever_the_damage_it_is_a_checkpoint_error(saved, tmp_path):
     sim, sound, rng = cutting(), saved.read_bytes(), np.random.default_rng(16)
     damages = [(b"", "empty"), (b"nothing!" + sound[8:], "foreign")]
-    damages += [mutated(rng, sound, text=False) for _ in range(300)]
-    for damaged, way in damages:
+    damages += [mutated(rng, sound, text=False) for _ in range(60)]
+    for damaged, kind in damages:
         (tmp_path / "c.h5").write_bytes(damaged)
         with pytest.raises(CheckpointError, match=r"c\.h5 is damaged, or not a checkpoint|format"):
-            pytest.fail(f"{way}: {load_checkpoint(sim, tmp_path / 'c.h5')}")
+            pytest.fail(f"{kind}: {sc.load_checkpoint(sim, tmp_path / 'c.h5')}")
     assert sim.state.step == 0
 
 
-# ---------------------------------------------------------------- runs in a folder
+# --- runs in a folder
 
 
+HALF = 0.5 * END
 RECORDS = {"n_row": 60, "n_frame": 12, "n_snapshot": 3, "progress": False}
 
 
 def case(**options):
-    return Case("cut", cutting(**options), END)
+    return Case("cut", cutting(**options), HALF)
 
 
 def summary_of(folder):
@@ -350,9 +322,9 @@ def summary_of(folder):
 
 def told(path, sim, **figures):
     """Let the checkpoint of a run tell other figures of what went before."""
-    extra = load_checkpoint(sim, path)
+    extra = sc.load_checkpoint(sim, path)
     assert figures.keys() < extra.keys()
-    save_checkpoint(sim, path, extra=extra | figures)
+    sc.save_checkpoint(sim, path, extra=extra | figures)
 
 
 @pytest.fixture(scope="module")
@@ -362,9 +334,15 @@ def uninterrupted(no_pictures, tmp_path_factory):
     return folder
 
 
+def resumed(folder, sim, end=HALF):
+    """Go on with the run in a folder up to a time; return the simulation."""
+    Case("cut", sim, end).run(folder, resume=True, progress=False)
+    return sim
+
+
 def interrupted_at(step, patch):
     """Make checkpoints raise SIGINT at a step."""
-    real, raised = save_checkpoint, []
+    real, raised = sc.save_checkpoint, []
 
     def save(sim, path, *, extra):
         real(sim, path, extra=extra)
@@ -379,8 +357,8 @@ def test_saving_changes_nothing_and_is_repeatable(uninterrupted, tmp_path):
     case().run(tmp_path / "run", checkpoint_every=0.0, **RECORDS)
     assert_same_run(tmp_path / "run", uninterrupted)
     for extra in ({}, {"a": 1, "b": {"c": 2.5}}):
-        save_checkpoint(cutting(), tmp_path / "c.h5", extra=extra)
-        assert load_checkpoint(cutting(), tmp_path / "c.h5") == extra
+        sc.save_checkpoint(cutting(), tmp_path / "c.h5", extra=extra)
+        assert sc.load_checkpoint(cutting(), tmp_path / "c.h5") == extra
 
 
 @pytest.fixture
@@ -395,18 +373,17 @@ def heard_interrupts():
 def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog):
     first = case()
     with monkeypatch.context() as patch:
-        interrupted_at(400, patch)
+        interrupted_at(200, patch)
         with pytest.raises(KeyboardInterrupt):
             first.run(tmp_path, checkpoint_every=0.0, **RECORDS)
     # Between steps, at once, everything saved and said.
     assert first.simulation.between_steps
-    assert first.simulation.state.step == 400
+    assert first.simulation.state.step == 200
     assert "cut stopped at path" in caplog.text
     assert f"resume from the checkpoint in {tmp_path}" in caplog.text
-    assert read_history(tmp_path / "history.csv")[0]["time"][-1] < END
-    assert shellcut.read(tmp_path).times[-1] == first.simulation.state.time
-    told(tmp_path / "checkpoint.h5", case().simulation, wall=1000.0)
-    case().run(tmp_path, resume=True, progress=False)
+    assert sc.read(tmp_path).times[-1] == first.simulation.state.time < HALF
+    told(tmp_path / "checkpoint.h5", cutting(), wall=1000.0)
+    resumed(tmp_path, cutting())
     assert_same_run(tmp_path, uninterrupted)
     assert 1000.0 < summary_of(tmp_path)["wall_s"] < 1100.0
 
@@ -421,10 +398,10 @@ from test_checkpoint import RECORDS, case
 killed = []
 
 def save(sim, path, *, extra):
-    if sim.state.step <= 300:
+    if sim.state.step <= 150:
         save_checkpoint(sim, path, extra=extra)
-    if sim.state.step == 520 and not killed:
-        killed.append(520)
+    if sim.state.step == 260 and not killed:
+        killed.append(260)
         os.kill(os.getpid(), {signal})
 
 shellcut.recording.recorder.save_checkpoint = save
@@ -445,17 +422,16 @@ def test_after_a_kill_a_run_goes_on(uninterrupted, tmp_path, number):
     assert (b"cut stopped at path" in done.stderr) == (number == signal.SIGTERM)
     # There is more than the checkpoint knows of.
     again = case()
-    load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
+    sc.load_checkpoint(again.simulation, tmp_path / "checkpoint.h5")
     times = read_history(tmp_path / "history.csv")[0]["time"]
     assert (times > again.simulation.state.time).sum() > 3
-
-    case().run(tmp_path, resume=True, progress=False)
+    resumed(tmp_path, cutting())
     assert_same_run(tmp_path, uninterrupted)
 
 
 def test_where_a_cut_stands_is_kept_to_the_last_digit():
     # On a circle, where the way ahead is found with other round-off at every step.
-    turning = ScrewMotion(500.0, axis=(0.0, 0.0, 1.0), axis_point=(0.0, 40.0, 0.0))
+    turning = sc.ScrewMotion(500.0, axis=(0.0, 0.0, 1.0), axis_point=(0.0, 40.0, 0.0))
     sim = cutting(motion=turning)
     front, again = CutFront(sim, END), CutFront(sim, END)
     while not front.rows(sim)[:, 2].any():
@@ -467,22 +443,14 @@ def test_where_a_cut_stands_is_kept_to_the_last_digit():
 
 
 def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
-    # By a hook that stops after any number of steps, not only where records are looked at.
-    parts = [1, 7, 333, 10, 204, 10_000]
-    for k, n_step in enumerate(parts):
-        one = case()
-        records = {} if k else RECORDS
-        recorder = Recorder(
-            one.simulation,
-            tmp_path,
-            until=END,
-            name="cut",
-            resume=k > 0,
-            **records | {"progress": False},
-        )
-        start = one.simulation.state.step
-        stop = StopWhen(lambda sim=one.simulation, last=start + n_step: sim.state.step >= last)
-        one.simulation.run(END, [recorder, stop])
+    # By a hook that stops after any number of steps, not only where rows are written.
+    for k, n_step in enumerate([1, 7, 133, 10, 104, 10_000]):
+        sim, records = cutting(), RECORDS if k == 0 else {"progress": False, "resume": True}
+        recorder = sc.Recorder(sim, tmp_path, until=HALF, name="cut", **records)
+        last = sim.state.step + n_step
+        sim.run(HALF, [recorder, StopWhen(lambda sim=sim, last=last: sim.state.step >= last)])
+        # The row of the end, which a run that goes on does not keep.
+        assert read_history(tmp_path / "history.csv")[0]["time"][-1] == sim.state.time
     assert_same_run(tmp_path, uninterrupted)
 
 
@@ -492,52 +460,48 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     records = {"n_row": 10, "n_frame": 2, "n_snapshot": 2, "progress": False}
     whole, part = tmp_path / "whole", tmp_path / "part"
     # Deepest at the first frame: the summary of both parts shall know.
-    monkeypatch.setattr(
-        shellcut.recording.unfelt_penetration,
-        "missed_penetration",
-        lambda _, state, *__: (1, 1.0 / (1 + state.step)),
-    )
-    monkeypatch.setattr(
-        shellcut.recording.unfelt_penetration.FlankPenetration,
-        "largest",
-        lambda _, state, __: 2.0 / (1 + state.step),
-    )
-    Case("cut", cutting(), 8e-6).run(whole, **records)
-    first = cutting()
-    recorder = Recorder(first, part, until=8e-6, name="cut", **records)
+    unfelt = shellcut.recording.unfelt_penetration
 
+    def depth(_, state, *__):
+        return 1.0 / (1 + state.step)
+
+    monkeypatch.setattr(unfelt, "missed_penetration", lambda *given: (1, depth(*given)))
+    monkeypatch.setattr(unfelt.FlankPenetration, "largest", lambda *given: 2.0 * depth(*given))
+    Case("cut", still(), 8e-6).run(whole, **records)
+    first = still()
+    recorder = sc.Recorder(first, part, until=8e-6, name="cut", **records)
     first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
-    told(part / "checkpoint.h5", cutting(), drawing=500.0)
+    told(part / "checkpoint.h5", still(), drawing=500.0)
     # The last one shows where it stopped, and is drawn again in its turn.
     drawn = ["energy", "force", "snapshot_00", "snapshot_01"]
     assert sorted(p.stem for p in part.glob("*.png")) == drawn
-    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
+    resumed(part, still(), 8e-6)
     pictures = sorted(p.name for p in whole.glob("*.png"))
     assert sorted(p.name for p in part.glob("*.png")) == pictures
-    for name in pictures:
+    for name in (*pictures, "history.csv"):
         assert (part / name).read_bytes() == (whole / name).read_bytes()
-    assert (part / "history.csv").read_bytes() == (whole / "history.csv").read_bytes()
-    assert summary_of(part)["unfelt_penetration_mm"] == 1.0
-    assert summary_of(part)["unfelt_film_edge_mm"] == 2.0
-    assert 500.0 < summary_of(part)["pictures_s"] < 600.0
+    summary = summary_of(part)
+    assert (summary["unfelt_penetration_mm"], summary["unfelt_film_edge_mm"]) == (1.0, 2.0)
+    assert 500.0 < summary["pictures_s"] < 600.0
     # As if killed at its end: summed up, and nothing is drawn once more that was drawn there.
     (part / "summary.json").unlink()
-    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
+    resumed(part, still(), 8e-6)
     assert sorted(p.name for p in part.glob("*.png")) == pictures
     assert summary_of(part)["n_step"] == summary_of(whole)["n_step"]
 
 
 def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_path, caplog):
-    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
-    before = {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
-    Case("cut", cutting(), 2e-6).run(tmp_path, resume=True, progress=False)
+    def there():
+        return {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
+
+    Case("cut", still(), 2e-6).run(tmp_path, **RECORDS)
+    before = there()
+    resumed(tmp_path, still(), 2e-6)
     assert "has already ended, at path" in caplog.text
-    assert before == {p.name: (p.read_bytes(), p.stat().st_mtime_ns) for p in tmp_path.iterdir()}
     with pytest.raises(RunEnded):
-        Recorder(cutting(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
-    longer = Case("cut", cutting(), 4e-6)
-    longer.run(tmp_path, resume=True, progress=False)
-    assert longer.simulation.state.time >= 4e-6
+        sc.Recorder(still(), tmp_path, until=2e-6, name="cut", resume=True, progress=False)
+    assert before == there()
+    assert resumed(tmp_path, still(), 4e-6).state.time >= 4e-6
     times = read_history(tmp_path / "history.csv")[0]["time"]
     assert times[0] == 0.0
     assert times[-1] > 3.5e-6
@@ -545,62 +509,64 @@ def test_a_run_that_has_ended_is_left_as_it_is_and_goes_on_to_a_later_end(tmp_pa
 
 
 def test_a_run_that_blows_up_keeps_the_last_good_checkpoint(tmp_path):
-    damped = {"damping_beta": 5e-8}
-    blown = case(stepping=Stepping(fixed=3e-7), **damped)
+    blown = Case("cut", cutting(stepping=sc.Stepping(fixed=3e-7), damping_beta=5e-8), END)
+    sim = blown.simulation
     with pytest.raises(UnstableStep), np.errstate(all="ignore"):
         blown.run(tmp_path, checkpoint_every=0.0, force=True, **RECORDS)
-    died = blown.simulation.state.step
-    assert not blown.simulation.between_steps
+    assert not sim.between_steps
     with pytest.raises(RuntimeError, match=r"step \d+ was not completed"):
-        save_checkpoint(blown.simulation, tmp_path / "half.h5")
+        sc.save_checkpoint(sim, tmp_path / "half.h5")
     assert not (tmp_path / "half.h5").exists()
     # The stepping may change, to save such a run.
-    again = case(stepping=Stepping(safety=0.5), **damped).simulation
-    load_checkpoint(again, tmp_path / "checkpoint.h5")
-    assert died - 10 <= again.state.step < died
+    again = cutting(stepping=sc.Stepping(safety=0.5), damping_beta=5e-8)
+    sc.load_checkpoint(again, tmp_path / "checkpoint.h5")
+    assert sim.state.step - 10 <= again.state.step < sim.state.step
     before = again.dt
     again.run(again.state.time + 2e-6)
     assert again.dt < 0.6 * before
-    assert all(np.isfinite(frame.points).all() for frame in shellcut.read(tmp_path).frames())
+    assert all(np.isfinite(frame.points).all() for frame in sc.read(tmp_path).frames())
     assert not is_open(tmp_path / "cut.vtkhdf")
+    # No number that is none, which JSON does not know.
+    text = (tmp_path / "summary.json").read_text()
+    assert json.loads(text, parse_constant=pytest.fail)["n_step"] == sim.state.step
 
 
 def test_what_cannot_be_gone_on_with_is_named(tmp_path):
     for interval in (-1.0, float("nan")):
         with pytest.raises(ValueError, match="checkpoint_every must be 0 or more"):
-            case().run(tmp_path, checkpoint_every=interval, progress=False)
+            Case("cut", still(), END).run(tmp_path, checkpoint_every=interval, progress=False)
     with pytest.raises(FileNotFoundError, match=r"has no checkpoint\.h5 to resume from"):
-        case().run(tmp_path / "none", resume=True, progress=False)
+        resumed(tmp_path / "none", still())
     assert not (tmp_path / "none").exists()
-    Case("cut", cutting(), 2e-6).run(tmp_path, **RECORDS)
-    kept = (tmp_path / "checkpoint.h5").read_bytes()
-    save_checkpoint(cutting(), tmp_path / "checkpoint.h5")
+    Case("cut", still(), 2e-6).run(tmp_path, **RECORDS)
+    checkpoint, history = tmp_path / "checkpoint.h5", tmp_path / "history.csv"
+    good, rows = checkpoint.read_bytes(), history.read_bytes().splitlines(keepends=True)
+    sc.save_checkpoint(still(), checkpoint)
     with pytest.raises(CheckpointError, match=r"checkpoint\.h5 was saved by hand"):
-        Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
-    (tmp_path / "checkpoint.h5").write_bytes(kept)
-    history = (tmp_path / "history.csv").read_bytes()
-    for kept_lines in (1, -1):  # what a power cut may leave
-        lost = b"".join(history.splitlines(keepends=True)[:kept_lines])
-        (tmp_path / "history.csv").write_bytes(lost)
-        with pytest.raises(ValueError, match=r"history\.csv must reach to the checkpoint"):
-            Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
-        assert (tmp_path / "history.csv").read_bytes() == lost
+        resumed(tmp_path, still(), 4e-6)
+    checkpoint.write_bytes(good)
     there = sorted(path.name for path in tmp_path.iterdir())
     assert "summary.json" in there
-    for change, said in (
-        (b"9", "changed"),
-        (b"x", r"line 3, column 'time \[s\]': must be a number"),
+    for left, said in (
+        (rows[:1], "must reach to the checkpoint"),  # what a power cut may leave
+        (rows[:-1], "must reach to the checkpoint"),
+        ([*rows[:2], b"9" + rows[2][1:], *rows[3:]], "must be as it was at the .*changed"),
+        (
+            [*rows[:2], b"x" + rows[2][1:], *rows[3:]],
+            r"must be as it was at the .*line 3, column 'time \[s\]': must be a number",
+        ),
     ):
-        lines = history.splitlines(keepends=True)
-        lines[2] = change + lines[2][1:]
-        (tmp_path / "history.csv").write_bytes(b"".join(lines))
-        with pytest.raises(ValueError, match=rf"history\.csv must be as it was at the .*{said}"):
-            Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
-        assert sorted(path.name for path in tmp_path.iterdir()) == there  # nothing has been removed
+        history.write_bytes(b"".join(left))
+        with pytest.raises(ValueError, match=rf"history\.csv {said}"):
+            resumed(tmp_path, still(), 4e-6)
+        assert history.read_bytes() == b"".join(left)
+        assert sorted(path.name for path in tmp_path.iterdir()) == there  # nothing is removed
+    history.write_bytes(b"".join(rows))
     (tmp_path / "cut.vtkhdf").unlink()
     with pytest.raises(FileNotFoundError, match=r"cannot append to .*cut\.vtkhdf"):
-        Case("cut", cutting(), 4e-6).run(tmp_path, resume=True, progress=False)
+        resumed(tmp_path, still(), 4e-6)
     # A new run removes the checkpoint of the old one.
-    recorder = Recorder(cutting(), tmp_path, until=END, name="cut", **RECORDS)
-    assert not (tmp_path / "checkpoint.h5").exists()
+    recorder = sc.Recorder(still(), tmp_path, until=END, name="cut", **RECORDS)
+    is_there = checkpoint.exists()
     recorder.close()
+    assert not is_there

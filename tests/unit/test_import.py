@@ -7,8 +7,7 @@ from importlib import import_module
 
 import shellcut
 
-# SciPy loads its parts when they are first used, by their dotted names: 0.3 s of the 0.9 s that
-# the import took. The others are optional, or of one file format only.
+# Parts of SciPy, and packages that are optional or of one file format only.
 LATER = (
     *("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse", "scipy.spatial"),
     *("ezdxf", "gmsh", "matplotlib", "meshio", "pandas", "PIL", "rich", "shapely"),

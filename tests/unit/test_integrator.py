@@ -16,68 +16,37 @@ MASS, INERTIA = 2e-9, 3e-10
 
 
 def one_quad():
-    mesh = rectangle(1.0, 1.0, n_x=1, n_y=1)
-    state = initial_state(mesh)
+    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
     for row in range(16):
         state.node.weigh(row, MASS, INERTIA)
-    return mesh, state, CentralDifference(damping_alpha=0.0)
+    return state.node, CentralDifference(damping_alpha=0.0), state
 
 
 def test_director_stays_unit_and_spin_tangent_over_random_rotations():
-    _, state, scheme = one_quad()
-    node = state.node
-    rng = np.random.default_rng(11)
-    # Ten thousand kicks and drifts by random moments, on ten directors: 1e5 rotations. A quad of
-    # a hundred nodes would do as well; the table has spare rows enough.
-    node.count = 10
-    node.t[:10] = rng.standard_normal((10, 3))
-    node.t[:10] /= np.linalg.norm(node.t[:10], axis=1)[:, None]
-    dt, size = 1e-7, INERTIA / 1e-7**2 * 0.3  # some 0.3 rad a step from each moment
-    g = size * rng.standard_normal((10_000, 10, 3))
+    # Ten directors in the spare rows of the table, each turned 10,000 times by random moments.
+    node, scheme, state = one_quad()
+    rng, n, dt = np.random.default_rng(11), 10, 1e-7
+    node.count = n
+    node.t[:n] = rng.standard_normal((n, 3))
+    node.t[:n] /= np.linalg.norm(node.t[:n], axis=1)[:, None]
+    node.x[n:] = np.nan
+    size = INERTIA / dt**2 * 0.3  # some 0.3 rad a step from each moment
     for k in range(10_000):
-        node.director_force[:10] = g[k]
+        node.director_force[:n] = size * rng.standard_normal((n, 3))
         scheme.kick(state, dt, dt)
         if k % 20 == 19:
-            node.spin_half[:10] *= 0.5  # a random walk would run away
+            node.spin_half[:n] *= 0.5  # a random walk would run away
         scheme.drift(state, dt)
-    length = np.linalg.norm(node.t[:10], axis=1)
+    length = np.linalg.norm(node.t[:n], axis=1)
     # Round-off: a rotation rounds its result some three times by EPS/2; a random walk of 1e4 of
     # them is 3e-14. Measured 2e-14, the farthest of ten.
     assert np.abs(length - 1.0).max() < 5e-14
-    spin = np.linalg.norm(node.spin_half[:10], axis=1)
+    spin = np.linalg.norm(node.spin_half[:n], axis=1)
     assert spin.min() * dt > 0.1  # it did turn
-    along = np.abs(np.einsum("ni,ni->n", node.t[:10], node.spin_half[:10]))
+    along = np.abs(np.einsum("ni,ni->n", node.t[:n], node.spin_half[:n]))
     # Rounded at every kick and rotation, never corrected: relative to the largest spin so far.
     assert (along / spin).max() < 1e-12
-
-
-def test_energy_is_an_identity_to_round_off():
-    # Any forces at all, director forces too: change of ½ m v- v+ = ½ (f_n-1 + f_n) dx.
-    _, state, scheme = one_quad()
-    rng = np.random.default_rng(4)
-    dt, node = 1e-6, state.node
-    node.velocity_half[:4] = rng.standard_normal((4, 3))
-    work, scale, last = 0.0, 0.0, None
-    for n in range(200):
-        node.force[:4] = rng.standard_normal((4, 3))
-        node.director_force[:4] = 1e-2 * rng.standard_normal((4, 3))
-        moment = np.cross(node.t[:4], node.director_force[:4])
-        if n:
-            done = 0.5 * dt * (last[0] + node.force[:4]) * node.velocity_half[:4]
-            turned = 0.5 * dt * (last[1] + moment) * node.spin_half[:4]
-            work += done.sum() + turned.sum()
-            scale += np.abs(done).sum() + np.abs(turned).sum()
-        result = scheme.kick(state, dt, dt)
-        kinetic = result.kinetic_translation + result.kinetic_rotation
-        if n == 0:
-            start = kinetic
-        last = node.force[:4].copy(), moment
-        scheme.drift(state, dt)
-    # Round-off relative to the sum of all works, taken without their signs.
-    assert abs(kinetic - start - work) < 1e-13 * scale
-    assert result.kinetic_rotation > 1e-4 * kinetic
-    assert result.mass_damping == 0.0
-    assert result.support_work == 0.0
+    assert np.isnan(node.x[n:]).all()  # spare rows stay as they are
 
 
 @pytest.mark.parametrize("first", [True, False], ids=["first kick", "later"])
@@ -136,16 +105,6 @@ def test_kick_and_drift_are_those_of_the_plain_reference_whatever_is_supported(f
     np.testing.assert_allclose(node.t[:n], directors, rtol=0, atol=1e-12)
 
 
-def test_drift_leaves_spare_rows_alone():
-    _, state, scheme = one_quad()
-    state.node.x[4:] = np.nan
-    state.node.velocity_half[:] = 1.0
-    scheme.kick(state, 1e-6, 1e-6)
-    scheme.drift(state, 1e-6)
-    assert np.isnan(state.node.x[4:]).all()
-    assert (state.node.velocity_half[4:] == 1.0).all()
-
-
 @pytest.mark.parametrize("case", cases.ALL)
 def test_free_fall_is_g(case):
     mesh = cases.ALL[case]()
@@ -154,15 +113,13 @@ def test_free_fall_is_g(case):
     g = np.array([2e11, -3e11, -5e11])
     sim = Simulation(mesh, cases.FILM, loads=[Gravity(g)], damping_alpha=0.0)
     sim.step()
-    ledger = sim.ledger
-    start = ledger.kinetic - ledger.load_work
+    start = sim.ledger.kinetic - sim.ledger.load_work
     for _ in range(49):
         sim.step()
-    s = sim.state
-    half = s.time + 0.5 * sim.dt
-    fallen = s.node.velocity_half[: mesh.n_node] / (g * half)
+    state, node = sim.state, sim.state.node
+    fallen = node.velocity_half[: mesh.n_node] / (g * (state.time + 0.5 * sim.dt))
     assert np.abs(fallen - 1.0).max() < 1e-12
-    moved = s.node.x[: mesh.n_node] - mesh.nodes
-    np.testing.assert_allclose(moved, np.tile(0.5 * g * s.time**2, (mesh.n_node, 1)), rtol=1e-9)
+    moved = node.x[: mesh.n_node] - mesh.nodes
+    np.testing.assert_allclose(moved / (0.5 * g * state.time**2), 1.0, rtol=1e-9)
     # From the second kick on, as the first is a half one.
-    assert ledger.load_work == pytest.approx(ledger.kinetic - start, rel=1e-12)
+    assert sim.ledger.load_work == pytest.approx(sim.ledger.kinetic - start, rel=1e-12)

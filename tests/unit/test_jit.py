@@ -15,19 +15,16 @@ from shellcut.numerics.processor import align_stack, seldom
 SOURCES = Path(shellcut.__file__).parent
 
 
+COMPILED = {"kernel", "inline", "inline_or_plain", "always_inline"}
+
+
 def compiled_functions():
     """Yield name, decorator and syntax tree of every function that Numba compiles."""
     for path in SOURCES.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.FunctionDef):
-                for decorator in node.decorator_list:
-                    if getattr(decorator, "id", "") in (
-                        "kernel",
-                        "inline",
-                        "inline_or_plain",
-                        "always_inline",
-                    ):
-                        yield node.name, decorator.id, node
+            for decorator in getattr(node, "decorator_list", []):
+                if getattr(decorator, "id", "") in COMPILED:
+                    yield node.name, decorator.id, node
 
 
 def test_kernels_do_not_call_kernels():
@@ -59,23 +56,6 @@ def test_a_bound_kernel_is_that_of_the_types_it_was_bound_for():
             once(other, 2.0)
 
 
-@always_inline
-def _tripled(number):
-    return 3.0 * number
-
-
-@kernel
-def _tripled_sum(numbers):
-    return _tripled(numbers.sum())
-
-
-def test_python_is_told_that_a_function_is_only_for_kernels():
-    for _ in range(2):  # before it is compiled, and after
-        with pytest.raises(TypeError, match="_tripled is inlined into kernels, Python cannot call"):
-            _tripled(2.0)
-        assert _tripled_sum(np.array([2.0])) == 6.0
-
-
 @inline
 def _halved(number):
     return 0.5 * number
@@ -105,9 +85,12 @@ def _pairs(numbers):
     return _from(numbers, 0) + _from(numbers, 1) + _from(numbers, numbers.size - 2)
 
 
-def test_a_function_is_compiled_once_whatever_number_it_is_given():
+def test_a_function_of_kernels_is_compiled_once_and_is_not_for_python():
     numbers = np.array([1.0, 2.0, 4.0, 8.0])
-    assert _pairs(numbers) == 3.0 + 6.0 + 12.0
+    for _ in range(2):  # before it is compiled, and after
+        with pytest.raises(TypeError, match="_from is inlined into kernels, Python cannot call"):
+            _from(numbers, 0)
+        assert _pairs(numbers) == 3.0 + 6.0 + 12.0
     if hasattr(_from, "overloads"):
         assert len(_from.overloads) <= 1  # none if the kernel was in the cache
 

@@ -1,4 +1,4 @@
-"""What a checkpoint keeps of an object by names: arrays, numbers, tables, objects, nothing."""
+"""What a checkpoint keeps of an object by names."""
 
 from typing import NamedTuple
 
@@ -13,43 +13,22 @@ class Rows(NamedTuple):
     force: np.ndarray
 
 
-class Clock(Kept):
-    kept_names = ("_time",)
-
-    def __init__(self, time):
-        self._time = time
-
-
 class Term(Kept):
-    kept_names = "_rows", "_clock", "count", "_far", "_none"
+    kept_names = "_rows", "_far", "_none"
 
-    def __init__(self, n, time):
-        self._rows, self._clock = Rows(np.full((n, 3), time), np.zeros(n)), Clock(time)
-        self.count, self._far, self._none, self.other = n, np.arange(n), None, n
-
-
-def test_what_is_named_is_taken_over_and_nothing_else():
-    term, again = Term(4, 0.5), Term(2, 0.0)
-    clock = again._clock
-    again.restore(term.saved())
-    np.testing.assert_array_equal(again._rows.place, np.full((4, 3), 0.5))
-    np.testing.assert_array_equal(again._far, np.arange(4))
-    assert again._clock is clock
-    assert (clock._time, again.count, again._none, again.other) == (0.5, 4, None, 2)
+    def __init__(self, n):
+        self._rows, self._far = Rows(np.full((n, 3), 0.5), np.zeros(n)), np.arange(n)
+        self._none, self.other = None, n
 
 
-def test_what_is_taken_over_is_a_copy():
-    term, again = Term(4, 0.5), Term(2, 0.0)
+def test_what_is_named_is_copied_and_nothing_else_and_rows_of_another_shape_are_refused():
+    term, again = Term(4), Term(2)
     again.restore(term.saved())
     term._far[:] = term._rows.place[:] = 9
-    assert again._far.tolist() == [0, 1, 2, 3]
-    assert again._rows.place.max() == 0.5
-
-
-def test_a_table_with_rows_of_another_shape_is_refused():
-    saved = Term(4, 0.5).saved()
+    np.testing.assert_array_equal(again._rows.place, np.full((4, 3), 0.5))
+    assert (again._far.tolist(), again._none, again.other) == ([0, 1, 2, 3], None, 2)
+    saved = term.saved()
     saved["rows"]["place"] = np.zeros((4, 2))
-    with pytest.raises(
-        ValueError, match=r"_rows\.place must have rows of shape \(3,\), got \(4, 2\)"
-    ):
-        Term(2, 0.0).restore(saved)
+    said = r"_rows\.place must have rows of shape \(3,\), got \(4, 2\)"
+    with pytest.raises(ValueError, match=said):
+        Term(2).restore(saved)

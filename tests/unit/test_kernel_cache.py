@@ -2,7 +2,6 @@
 
 import importlib.util
 import json
-import math
 import os
 import platform
 import shutil
@@ -108,17 +107,13 @@ def test_a_damaged_file_is_compiled_anew(tmp_path, version, damage, kind):
 
 def test_an_edit_of_what_a_kernel_calls_changes_its_result(tmp_path, version):
     (tmp_path / "of_a_version.py").write_text(
-        "from shellcut.numerics.jit import kernel\n"
-        "from called import scale\n"
-        "@kernel\n"
-        "def scaled(number):\n"
-        "    return scale(number)\n"
+        "from shellcut.numerics.jit import kernel\nfrom called import scale\n"
+        "@kernel\ndef scaled(number):\n    return scale(number)\n"
     )
     for factor in (2.0, 30.0):  # of another length: Python compares size and second
         (tmp_path / "called.py").write_text(
             "from shellcut.numerics.jit import inline\n"
-            "@inline\n"
-            f"def scale(number): return {factor} * number\n"
+            f"@inline\ndef scale(number): return {factor} * number\n"
         )
         assert version("of_a_version").scaled(1.0) == factor
 
@@ -127,13 +122,6 @@ READ = {
     "another module": "import called\ndef scaled(x): return called.K * x",
     "a name of another module": "from called import K\ndef scaled(x): return K * x",
     "a module of a module": "import sub\ndef scaled(x): return sub.called.K * x",
-    "an environment variable": (
-        "import os\nK = float(os.environ['OF_A_TEST'])\ndef scaled(x): return K * x"
-    ),
-    "a file": (
-        "from pathlib import Path\nK = float(Path(__file__).with_name('k.txt').read_text())\n"
-        "def scaled(x): return K * x"
-    ),
     "a closure": (
         "import called\ndef made(k):\n    def scaled(x): return k * x\n    return scaled\n"
         "scaled = made(called.K)"
@@ -142,23 +130,6 @@ READ = {
         "import called\nfrom shellcut.numerics.jit import inline\n"
         "def made(k):\n    @inline\n    def times(x): return k * x\n    return times\n"
         "times = made(called.K)\ndef scaled(x): return times(x)"
-    ),
-    "a tuple": "import called\nALL = (7.0, (called.K,))\ndef scaled(x): return ALL[1][0] * x",
-    "a named tuple": (
-        "import called\nfrom typing import NamedTuple\n"
-        "class Rod(NamedTuple):\n    k: float\n"
-        "ROD = Rod(called.K)\ndef scaled(x): return ROD.k * x"
-    ),
-    "an array": (
-        "import called\nimport numpy as np\nALL = np.full(3, called.K)\n"
-        "def scaled(x): return ALL[1] * x"
-    ),
-    "a number of an array": (
-        "import called\nimport numpy as np\nK = np.float64(called.K)\ndef scaled(x): return K * x"
-    ),
-    "an enumeration": (
-        "import called\nimport enum\nclass Which(enum.IntEnum):\n    K = int(called.K)\n"
-        "def scaled(x): return Which.K.value * x"
     ),
     "a default": (
         "import called\nfrom shellcut.numerics.jit import inline\n"
@@ -169,27 +140,22 @@ READ = {
         "else:\n    def scaled(x): return 2.0 * x"
     ),
 }
-"""Where a function takes a factor from, besides its own file."""
+"""Where a function takes a factor from, besides its own file. Kinds of values:
+test_same_sources.py."""
 
 
-def _set(folder, monkeypatch, factor):
-    (folder / "called.py").write_text(f"K = {factor}\n")
-    (folder / "k.txt").write_text(f"{factor}")
-    monkeypatch.setenv("OF_A_TEST", f"{factor}")
-
-
-@pytest.mark.parametrize("way", READ)
+@pytest.mark.parametrize("source", READ)
 def test_another_value_that_a_function_reads_changes_the_result_of_its_kernel(
-    tmp_path, version, monkeypatch, way
+    tmp_path, version, source
 ):
     (tmp_path / "sub.py").write_text("import called\n")
     (tmp_path / "of_a_version.py").write_text(
         "from shellcut.numerics.jit import kernel\nfrom shellcut.material import PointLaw\n"
-        f"{READ[way]}\nscaling = kernel(scaled)\nlaw = PointLaw('of a test', scaled, scaled)\n"
+        f"{READ[source]}\nscaling = kernel(scaled)\nlaw = PointLaw('of a test', scaled, scaled)\n"
     )
     digests = []
     for factor, hits in ((2.0, 0), (2.0, 1), (30.0, 0), (30.0, 1)):  # of another length
-        _set(tmp_path, monkeypatch, factor)
+        (tmp_path / "called.py").write_text(f"K = {factor}\n")
         module = version("of_a_version")
         assert module.scaling(1.0) == factor
         assert sum(module.scaling.stats.cache_hits.values()) == hits
@@ -197,67 +163,41 @@ def test_another_value_that_a_function_reads_changes_the_result_of_its_kernel(
     assert digests[0] == digests[1] != digests[2] == digests[3]
 
 
+_WITHOUT_A_DIGEST = """
+from numba.extending import overload
+from shellcut.material import PointLaw
+from shellcut.numerics.jit import kernel
+
+class Factor:
+    def __init__(self, k): self.k = k
+
+FACTOR = Factor(2.0)
+
+def times(x): return x
+
+@overload(times)
+def _times(x):
+    k = FACTOR.k
+    return lambda x: k * x
+
+@kernel
+def scaling(x, factor=FACTOR):
+    return times(x)
+
+law = PointLaw('of a test', scaling, scaling)
+found = scaling(1.0, None)
+"""
+
+
 def test_what_reads_a_value_without_a_digest_is_not_stored(tmp_path, version):
     """Numba takes such a value where a function of a user's own tells it the type."""
-    (tmp_path / "of_a_version.py").write_text(
-        "from numba.extending import models, register_model, typeof_impl, types, overload\n"
-        "from numba.extending import overload_method\n"
-        "from shellcut.material import PointLaw\n"
-        "from shellcut.numerics.jit import kernel\n"
-        "class Factor:\n"
-        "    def __init__(self, k): self.k = k\n"
-        "FACTOR = Factor(2.0)\n"
-        "def times(x): return x\n"
-        "@overload(times)\n"
-        "def _times(x):\n"
-        "    k = FACTOR.k\n"
-        "    return lambda x: k * x\n"
-        "@kernel\n"
-        "def scaling(x, factor=FACTOR):\n"
-        "    return times(x)\n"
-        "law = PointLaw('of a test', scaling, scaling)\n"
-        "found = scaling(1.0, None)\n"
-    )
+    (tmp_path / "of_a_version.py").write_text(_WITHOUT_A_DIGEST)
     for _ in range(2):
         module = version("of_a_version")
         assert module.found == 2.0
         assert not sum(module.scaling.stats.cache_hits.values())
     assert not list((tmp_path / "cache").rglob("*.nb?"))
     assert NOT_STORED in module.law.digest
-
-
-_LAW = """
-import os
-from dataclasses import dataclass
-import numpy as np
-from shellcut.material import Material, MaterialPoint, PointLaw, register
-K = float(os.environ["OF_A_TEST"])
-def stress(p, strain, history, dt):
-    s1, s2, s12 = K * p[0] * strain[0], K * p[0] * strain[1], 0.5 * K * p[0] * strain[2]
-    stored = 0.5 * (s1 * strain[0] + s2 * strain[1] + s12 * strain[2])
-    return (s1, s2, s12), stored, 0.0, history
-def thickness_stretch(p, strain, history):
-    return 1.0 + 0.0 * strain[0]
-@dataclass(frozen=True)
-class Own(Material):
-    law = register(PointLaw("own", stress, thickness_stretch))
-    density: float = 1e-9
-    def parameters(self): return np.array([1000.0])
-    def plane_stress(self): return K * 1000.0 * np.diag([1.0, 1.0, 0.5])
-    def transverse_shear(self): return K * 500.0 * np.eye(2)
-print(MaterialPoint(Own()).strain_to([0.01, 0.0, 0.0]).stored)
-"""
-
-
-@pytest.mark.slow
-def test_a_law_of_ones_own_runs_with_the_number_that_it_reads_now(tmp_path):
-    (tmp_path / "law.py").write_text(_LAW)
-    green = 0.5 * (math.exp(0.02) - 1.0)
-    for factor in (1.0, 2.0, 1.0):
-        given = os.environ | {"OF_A_TEST": str(factor), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-        command = [sys.executable, str(tmp_path / "law.py")]
-        done = subprocess.run(command, env=given, check=True, capture_output=True, text=True)
-        assert float(done.stdout) == pytest.approx(0.5 * factor * 1000.0 * green**2, rel=1e-12)
 
 
 _PRESSED_SQUARE = """
@@ -296,10 +236,8 @@ def pressed(site, **more):
     given = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_C")}
     environment = given | {"PYTHONPATH": str(site), "PYTHONDONTWRITEBYTECODE": "1"} | more
     command = [sys.executable, "-c", _PRESSED_SQUARE]
-    out = subprocess.run(
-        command, cwd=site, env=environment, check=True, capture_output=True, text=True
-    )
-    said = json.loads(out.stdout)
+    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    said = json.loads(done.stdout)
     return said["force"], said["loaded"]
 
 
@@ -365,8 +303,7 @@ def test_a_release_is_not_compiled(released, tmp_path):
 
 
 def test_a_kernel_runs_where_nothing_can_be_stored(site):
-    nowhere = _closed(site)
-    assert [pressed(site, **nowhere) for _ in range(2)] == [(pytest.approx(FORCE), 0)] * 2
+    assert pressed(site, **_closed(site)) == (pytest.approx(FORCE), 0)
     assert not list(site.rglob("*.nb?"))
 
 
@@ -375,14 +312,12 @@ def test_a_release_of_other_sources_or_processors_is_compiled_anew(released):
     older = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", **cache}
     assert pressed(released, **older) == (pytest.approx(FORCE), 0)
     edited(released)
-    doubled = pytest.approx(2.0 * FORCE)
-    assert [pressed(released, **cache) for _ in range(2)] == [(doubled, 0), (doubled, 1)]
+    assert pressed(released, **cache) == (pytest.approx(2.0 * FORCE), 0)
 
 
-@pytest.mark.parametrize("damage", [_cut_short, _of_other_content, _emptied])
 @pytest.mark.parametrize("kind", ["nbc", "nbi"])
-def test_a_damaged_release_is_compiled_anew(released, damage, kind):
+def test_a_damaged_release_is_compiled_anew(released, kind):
     (file,) = released.rglob(f"pressure.pressure_rows*.{kind}")
-    damage(file)
+    _cut_short(file)
     cache = str(released / "cache")
     assert pressed(released, NUMBA_CACHE_DIR=cache) == (pytest.approx(FORCE), 0)

@@ -5,7 +5,6 @@ what must come out.
 """
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,21 +15,10 @@ from gone_on import check_goes_on
 from naive import cases
 from naive import shell as naive
 from notched_strip import cutting
-from shellcut import (
-    Elastic,
-    Layer,
-    Mesh,
-    Orthotropic,
-    ShellMaterial,
-    Simulation,
-    Support,
-    load_checkpoint,
-    read,
-)
+from shellcut import Elastic, Layer, Mesh, Orthotropic, ShellMaterial, Simulation, Support, read
 from shellcut.material import LAWS, Material, PointLaw, register
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
-from shellcut.mitc4.nodal_stress import recover
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.models import Case
 from shellcut.recording.frame_capture import Exposure
@@ -47,7 +35,7 @@ LAMINATE = ShellMaterial([Layer(EVEN, 0.05), Layer(TOY, 0.03)])
 FILMS = {"film": FILM, "laminate": LAMINATE}
 
 
-# ---------------------------------------------------------------- reference
+# --- reference
 
 
 def damaged(psi, kappa):
@@ -111,15 +99,14 @@ def naive_step(mesh, x, t, film, history):
     ("case", "film"), [*((case, "film") for case in cases.ALL), ("curved", "laminate")]
 )
 def test_forces_and_energies_are_those_of_the_reference_there_and_back(case, film):
-    mesh = cases.ALL[case](2, 2)
+    mesh = cases.ALL[case](2, 1)
     shell, state = cases.set_up(mesh, FILMS[film])
-    n, history, turn = mesh.n_node, {}, TURNED
+    n, history = mesh.n_node, {}
     far = cases.deform(initial_state(mesh), stretch=0.01, tilt=0.03).node
     for part in (1.0, 0.4):  # loads, then unloads
-        state.node.x[:n] = (1 - part) * mesh.nodes @ turn.T + part * far.x[:n]
-        state.node.t[:n] = far.t[:n]
-        x, t = state.node.x[:n].copy(), state.node.t[:n].copy()
-        wanted = naive_step(mesh, x, t, FILMS[film], history)
+        x = (1 - part) * mesh.nodes @ TURNED.T + part * far.x[:n]
+        state.node.x[:n], state.node.t[:n] = x, far.t[:n]
+        wanted = naive_step(mesh, x, far.t[:n].copy(), FILMS[film], history)
         state.node.force_rows[:] = 0.0
         work = shell.add_forces(state)
         # Round-off of a metric of order one, in forces of E h.
@@ -129,11 +116,10 @@ def test_forces_and_energies_are_those_of_the_reference_there_and_back(case, fil
         assert work.dissipated == pytest.approx(wanted[3], rel=1e-9, abs=1e-15)
         if part == 1.0:
             assert work.dissipated > 1e-3 * work.strain_energy
-            damage = shell.history_means(state)["damage [-]"]
-            assert damage.max() > 0.1
+            assert shell.history_means(state)["damage [-]"].max() > 0.1
 
 
-# ---------------------------------------------------------------- closed forms of tension
+# --- closed forms of tension
 
 
 def pulled(strains, film=FILM):
@@ -150,24 +136,21 @@ def pulled(strains, film=FILM):
 
 
 def test_stresses_energies_and_thickness_are_the_closed_form_of_the_law():
-    peak, e = 0.01, 0.004
+    peak, e, which = 0.01, 0.004, np.array([0])
     shell, state, stored, dissipated = pulled([0.5 * peak, peak, e])
     damage = TOY.largest * (1 - TOY.onset / peak)
     S = (1 - damage) * TOY.young * e
     longer, narrower = np.sqrt(1 + 2 * e), np.sqrt(1 - 2 * TOY.poisson * e)
     sigma = S * longer / narrower**2  # the thickness narrows as the width does
-    h, volume = FILM.thickness, 2.0 * FILM.thickness
-    which = np.array([0])
-    for place in ("mid", "top", "bottom"):
+    for place, stress in (("mid", sigma), ("top", sigma), ("bottom", sigma), ("nominal", S)):
         tensor = shell.stress(state, which, place=place)[0]
-        np.testing.assert_allclose(tensor, np.diag([sigma, 0, 0]), atol=1e-12 * TOY.young)
-    tensor = shell.stress(state, which, place="nominal")[0]
-    np.testing.assert_allclose(tensor, np.diag([S, 0, 0]), atol=1e-12 * TOY.young)
+        np.testing.assert_allclose(tensor, np.diag([stress, 0, 0]), atol=1e-12 * TOY.young)
     faces = shell.face_stresses(state)
     np.testing.assert_allclose(faces.stress[0, :, 0], sigma, rtol=1e-11)
     np.testing.assert_allclose(faces.principal[0, :, 0], sigma, rtol=1e-11)
     # E_33 = - nu/(1 - nu) (1 - nu) E_11
-    assert faces.thickness[0] == pytest.approx(h * narrower, rel=1e-12)
+    assert faces.thickness[0] == pytest.approx(FILM.thickness * narrower, rel=1e-12)
+    volume = 2.0 * FILM.thickness
     assert stored == pytest.approx(0.5 * S * e * volume, rel=1e-11)
     lost = 0.5 * TOY.young * TOY.largest * TOY.onset * (peak - TOY.onset)
     assert dissipated == pytest.approx(lost * volume, rel=1e-11)
@@ -176,8 +159,6 @@ def test_stresses_energies_and_thickness_are_the_closed_form_of_the_law():
     assert means["damage [-]"][0] == pytest.approx(damage, rel=1e-11)
     with pytest.raises(ValueError, match="place must be one of"):
         shell.stress(state, which, place="side")
-    with pytest.raises(ValueError, match="quads must be a list of quad ids from 0 to 0"):
-        shell.stress(state, np.array([1]))
 
 
 def test_output_and_trial_forces_leave_the_history_alone():
@@ -196,45 +177,27 @@ def test_output_and_trial_forces_leave_the_history_alone():
 
 
 def test_bending_shows_at_the_outermost_points_and_only_they_are_damaged():
-    curvature, h = 0.3, FILM.thickness
     mesh = Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]])
     shell, state = cases.set_up(mesh, FILM)
-    lean = np.array([-1, 1, 1, -1]) * np.sin(0.5 * curvature)
+    slope = 0.15
+    lean = np.array([-1, 1, 1, -1]) * np.sin(slope)
     state.node.t[:4] = np.stack([lean, 0 * lean, np.sqrt(1 - lean**2)], axis=1)
     shell.add_forces(state)
-    z = 0.5 * h * np.polynomial.legendre.leggauss(5)[0][-1]
-    e = z * 2 * np.sin(0.5 * curvature)
-    stiff = TOY.young / (1 - TOY.poisson**2)
-    _, damage, _ = damaged(0.5 * stiff * e * e, 0.0)
-    assert damage > 0.3
-    faces = shell.face_stresses(state)
-    # The dropped square of the height in the surface that carries the stress: (h curvature)².
-    np.testing.assert_allclose(
-        faces.stress[0, 1:, 0], (1 - damage) * stiff * e * np.array([1, -1]), rtol=0.05
-    )
-    assert abs(faces.stress[0, 0, 0]) < 0.02 * faces.stress[0, 1, 0]
     places, weights = np.polynomial.legendre.leggauss(5)
-    strains = 0.5 * h * places * 2 * np.sin(0.5 * curvature)
-    wanted = 0.5 * weights @ [damaged(0.5 * stiff * e * e, 0.0)[1] for e in strains]
-    assert shell.history_means(state)["damage [-]"][0] == pytest.approx(wanted, rel=0.05)
+    strains = FILM.thickness * places * np.sin(slope)
+    stiff = TOY.young / (1 - TOY.poisson**2)
+    damage = [damaged(0.5 * stiff * e * e, 0.0)[1] for e in strains]
+    assert damage[-1] > 0.3
+    outermost = shell.face_stresses(state).stress[0, :, 0]
+    # The dropped square of the height in the surface that carries the stress: (h curvature)².
+    wanted = (1 - damage[-1]) * stiff * strains[-1]
+    np.testing.assert_allclose(outermost[1:], [wanted, -wanted], rtol=0.05)
+    assert abs(outermost[0]) < 0.02 * outermost[1]
+    mean = shell.history_means(state)["damage [-]"][0]
+    assert mean == pytest.approx(0.5 * weights @ damage, rel=0.05)
 
 
-def test_the_criterion_sees_the_stress_of_the_law():
-    mesh = rectangle(4.0, 3.0, n_x=4, n_y=3)
-    shell, state = cases.set_up(mesh, FILM)
-    e = 0.01
-    state.node.x[: mesh.n_node, 0] *= np.sqrt(1 + 2 * e)
-    state.node.x[: mesh.n_node, 1] *= np.sqrt(1 - 2 * TOY.poisson * e)
-    shell.add_forces(state)
-    inner = np.array([6, 7])
-    found = recover(state, shell, inner)
-    left = 1 - TOY.largest * (1 - TOY.onset / e)
-    wanted = left * TOY.young * e * np.sqrt(1 + 2 * e) / (1 - 2 * TOY.poisson * e)
-    np.testing.assert_allclose(found.principal, wanted, rtol=1e-10)
-    assert left < 0.5  # C E would be twice that and more
-
-
-# ---------------------------------------------------------------- runs
+# --- runs
 
 
 END = 8e-5
@@ -243,20 +206,13 @@ END = 8e-5
 def pulled_strip(film=FILM, **options):
     """A strip pulled beyond the onset of damage and let go again."""
     mesh = rectangle(4.0, 2.0, n_x=10, n_y=5)
-    return Simulation(
-        mesh,
-        film,
-        supports=[
-            Support.clamped("left"),
-            Support("right", velocity={"x": lambda t: 1600.0 * np.sin(2 * np.pi * t / END)}),
-        ],
-        **options,
-    )
+    there_and_back = {"x": lambda t: 1600.0 * np.sin(2 * np.pi * t / END)}
+    supports = [Support.clamped("left"), Support("right", velocity=there_and_back)]
+    return Simulation(mesh, film, supports=supports, **options)
 
 
-@pytest.mark.parametrize("film", ["film", "laminate"])
-def test_the_ledger_closes_with_what_the_law_has_dissipated(film):
-    sim = pulled_strip(FILMS[film], damping_beta=0.0)
+def test_the_ledger_closes_with_what_the_law_has_dissipated():
+    sim = pulled_strip(damping_beta=0.0)
     sim.run(END)
     ledger = sim.close_ledger()
     assert ledger.material_dissipated > 0.2 * ledger.support_work > 0.0
@@ -267,10 +223,9 @@ def test_the_ledger_closes_with_what_the_law_has_dissipated(film):
     n_block, _, width = sim.state.history.shape
     kappa = sim.state.history.reshape(n_block, 4, rule.place.size, 2, width)[:, :, :, 0]
     lost = 0.5 * TOY.young * TOY.largest * TOY.onset * np.maximum(kappa - TOY.onset, 0.0)
-    if film == "film":  # flat quads, whose frames hold the volume
-        frame = sim.shell.points.flat_frame.reshape(n_block, 4, 4, width)[:, :, 3]
-        total = np.einsum("j,bqjl,bql->", rule.weight, lost, frame)
-        assert ledger.material_dissipated == pytest.approx(total, rel=1e-9 * 1e5 ** (width == 16))
+    volume = sim.shell.points.flat_frame.reshape(n_block, 4, 4, width)[:, :, 3]
+    total = np.einsum("j,bqjl,bql->", rule.weight, lost, volume)
+    assert ledger.material_dissipated == pytest.approx(total, rel=1e-9 * 1e5 ** (width == 16))
 
 
 def test_a_resumed_run_is_the_same_bit_for_bit(tmp_path):
@@ -278,14 +233,11 @@ def test_a_resumed_run_is_the_same_bit_for_bit(tmp_path):
         return sim.state.time > 0.4 * END and sim.ledger.material_dissipated > 0.0
 
     check_goes_on(pulled_strip, flowing, tmp_path / "c.h5", 150)
-    other = pulled_strip(ShellMaterial([Layer(Damaging(onset=0.003), 0.074)]))
-    with pytest.raises(ValueError, match=r"onset: 0.002 in the checkpoint, 0.003"):
-        load_checkpoint(other, tmp_path / "c.h5")
 
 
 def test_a_cut_writes_dissipation_and_damage(tmp_path):
     weak = ShellMaterial([Layer(Damaging(onset=5e-4), 0.074)])
-    case = Case("cut", cutting(material=weak), 4e-5)
+    case = Case("cut", cutting(material=weak), 2e-5)
     case.run(tmp_path, n_row=20, n_frame=4, n_snapshot=0, curves=False, progress=False)
     results, sim = read(tmp_path), case.simulation
     column = results.history["material_dissipated"]
@@ -293,93 +245,85 @@ def test_a_cut_writes_dissipation_and_damage(tmp_path):
     assert sim.ledger.material_dissipated >= column[-1] > 0.0
     assert results.units["material_dissipated"] == "N*mm"
     assert results.summary["material_dissipated_Nmm"] == sim.ledger.material_dissipated
-    last = results.frame(-1)
-    assert set(last.quad_history) == {"largest strain [-]", "damage [-]"}
-    assert last.quad_history["damage [-]"].max() > 0.05
-    assert set(results.frame(0).quad_history) == set(last.quad_history)
-    names = {"coordinate_name": "path", "coordinate_unit": "mm"}
-    frame = Exposure.of(sim, coordinate=0.0, **names).frame()
+    first, last = results.frame(0).quad_history, results.frame(-1).quad_history
+    assert set(first) == set(last) == {"largest strain [-]", "damage [-]"}
+    assert last["damage [-]"].max() > 0.05
+    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
     with VtkHdfWriter(tmp_path / "own.vtkhdf") as writer:
         writer.append(frame)
     again = VtkHdfReader(tmp_path / "own.vtkhdf").frame(0)
     for name, wanted in sim.shell.history_means(sim.state).items():
         np.testing.assert_array_equal(frame.quad_history[name], wanted)
         np.testing.assert_allclose(again.quad_history[name], wanted, rtol=2.0**-12, atol=1e-30)
-    with pytest.raises(ValueError, match="quad_history 'damage' must have shape"):
-        replace(frame, quad_history={"damage": np.zeros(1)})
 
 
-# ---------------------------------------------------------------- time step
+# --- time step
 
 
 def test_the_tangent_of_the_step_carries_the_stress_of_the_law_and_the_elastic_moduli():
     shell, state, _, _ = pulled([0.01])
     elastic = ShellMaterial([Layer(Elastic(TOY.young, TOY.poisson, TOY.density), 0.074)])
     linear, _, _, _ = pulled([0.01], elastic)
-    which = np.array([0])
+    X, x, t, which = state.node.X[:4], state.node.x[:4], state.node.t[:4], np.array([0])
+    strains = naive.products(x, t) - naive.products(X, np.tile([0.0, 0.0, 1.0], (4, 1)))
     strained = linear.tangents(state, which)
-    row = np.array([linear_strains(state)])
-    free = linear.tangents(state, which, row)  # without stress
+    without_stress = linear.tangents(state, which, strains[None])
     damage = TOY.largest * (1 - TOY.onset / 0.01)
-    wanted = (1 - damage) * strained + damage * free
+    wanted = (1 - damage) * strained + damage * without_stress
     got = shell._tangent_bounds(state.node.x, state.node.t, which)
     np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-11 * abs(wanted).max())
 
 
-def linear_strains(state):
-    """The sixteen strains of the only quad."""
-    X, x, t = state.node.X[:4], state.node.x[:4], state.node.t[:4]
-    T = np.tile([0.0, 0.0, 1.0], (4, 1))
-    return naive.products(x, t) - naive.products(X, T)
-
-
-# ---------------------------------------------------------------- the interface
+# --- the interface
 
 
 def test_a_law_with_history_is_never_run_as_linear():
-    assert FILM.points_per_layer is None
-    assert FILM.integration_points == 5
+    assert (FILM.points_per_layer, FILM.integration_points) == (None, 5)
     assert not FILM.is_linear
     shell = MITC4Shell(rectangle(1.0, 1.0, n_x=1, n_y=1), FILM, damping_beta=0.0)
     assert shell.points.rule.place.size == 5
     assert shell.has_points
-    one = ShellMaterial([Layer(TOY, 0.074)], points_per_layer=1)
-    assert one.integration_points == 1
+    assert ShellMaterial([Layer(TOY, 0.074)], points_per_layer=1).integration_points == 1
     assert ShellMaterial.homogeneous().integration_points is None
 
 
-def test_laws_are_known_by_name_and_refused_with_a_sentence():
+def other(p, strain, history, dt):
+    return strain, 0.0, 0.0, history
+
+
+def test_laws_are_known_by_name():
     assert {"St.Venant-Kirchhoff", "damaging"} <= set(LAWS)
     assert register(TOY.law) is TOY.law is LAWS["damaging"]
-
-    def other(p, strain, history, dt):
-        return strain, 0.0, 0.0, history
-
     for function in (other, TOY.law.stress):  # the latter without its history
         with pytest.raises(ValueError, match="a law 'damaging' is already registered"):
             register(PointLaw("damaging", function, TOY.law.thickness_stretch))
     assert LAWS["damaging"] is TOY.law
-    for name, history, linear, wrong in (
-        (" ", (), False, "a law needs a name"),
-        ("mine", ("damage [-]",), True, "a linear law has no history"),
-        ("mine", ("a", "a"), False, "history names must differ"),
-        ("mine", ("N/mm",), False, "without a slash"),
-    ):
-        with pytest.raises(ValueError, match=wrong):
-            PointLaw(name, other, other, history, linear=linear)
-    four = tuple("abcd")
-    assert PointLaw("mine", other, other, four, turning=(1,)).turning == (1,)
-    for turning in ((2,), (-1,), (0, 1), ("a",)):
-        with pytest.raises(ValueError, match="turning must name where strains of three numbers"):
-            PointLaw("mine", other, other, four, turning=turning)
-    with pytest.raises(ValueError, match="a history must have numbers for the first to lead"):
-        PointLaw("mine", other, other, ("a",), first_leads=True)
-    with pytest.raises(ValueError, match="an elastic law has no history, 'mine' names"):
-        PointLaw("mine", other, other, ("a",), elastic=True)
-    its_own = PointLaw("mine", other, other, elastic=True)
-    assert its_own.frozen is its_own
+    assert PointLaw("mine", other, other, tuple("abcd"), turning=(1,)).turning == (1,)
+    elastic = PointLaw("mine", other, other, elastic=True)
+    assert elastic.frozen is elastic
     with pytest.raises(ValueError, match="material must be a Material, got 3"):
         Layer(3, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("history", "options", "said"),
+    [
+        ((), {"name": " "}, "a law needs a name"),
+        (("damage [-]",), {"linear": True}, "a linear law has no history"),
+        (("a", "a"), {}, "history names must differ"),
+        (("N/mm",), {}, "without a slash"),
+        *(
+            (tuple("abcd"), {"turning": turning}, "turning must name where strains of three numb")
+            for turning in ((2,), (-1,), (0, 1), ("a",))
+        ),
+        (("a",), {"first_leads": True}, "a history must have numbers for the first to lead"),
+        (("a",), {"elastic": True}, "an elastic law has no history, 'mine' names"),
+    ],
+)
+def test_a_law_that_cannot_be_is_refused_with_a_sentence(history, options, said):
+    name = options.pop("name", "mine")
+    with pytest.raises(ValueError, match=said):
+        PointLaw(name, other, other, history, **options)
 
 
 def test_what_else_asks_for_stiffness_gets_it_from_the_material():

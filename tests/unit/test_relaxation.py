@@ -42,7 +42,7 @@ def cap():
     return Mesh.from_arrays(nodes, flat.quads, node_sets={"rim": flat.node_set("rim")})
 
 
-ROOF = cylinder(10.0, 10.0, n_around=12, n_along=12, arc_deg=80.0)
+ROOF = cylinder(10.0, 10.0, n_around=8, n_along=8, arc_deg=80.0)
 SHEET = rectangle(10.0, 10.0, n_x=6, n_y=6)
 WEIGHT = Gravity((0.0, 0.0, -9810.0))
 
@@ -65,13 +65,11 @@ def test_plain_films_come_to_rest_with_default_settings(mesh, supports, load):
     sim = Simulation(mesh, FILM, supports=supports, loads=[load])
     sim.relax()
     (rest,) = Statics(mesh, FILM, supports=supports, loads=[load]).load_steps([1.0])
-    moved = sim.state.node.x[: mesh.n_node] - mesh.nodes
+    x, t = sim.state.node.x[: mesh.n_node], sim.state.node.t[: mesh.n_node]
     # The default tolerance leaves 1e-5 of the reactions, of which the softest motions make 0.1 %.
     scale = abs(rest.displacement).max()
-    np.testing.assert_allclose(moved, rest.displacement, atol=5e-3 * scale)
-    np.testing.assert_allclose(
-        np.linalg.norm(sim.state.node.t[: mesh.n_node], axis=1), 1.0, atol=1e-12
-    )
+    np.testing.assert_allclose(x - mesh.nodes, rest.displacement, atol=5e-3 * scale)
+    np.testing.assert_allclose(np.linalg.norm(t, axis=1), 1.0, atol=1e-12)
 
 
 def test_a_stretched_film_has_the_closed_form_stress_and_a_shorter_step():

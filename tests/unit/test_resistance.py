@@ -43,14 +43,8 @@ class Own:
     """A motion of a user's own: no class of the library, its coordinate in the unit given."""
 
     def __init__(self, motion, unit="rad", coordinate=None):
-        self.motion, self.coordinate_unit = motion, unit
-        self._coordinate = coordinate or motion.coordinate
-
-    def coordinate(self, time):
-        return self._coordinate(time)
-
-    def pose(self, time):
-        return self.motion.pose(time)
+        self.motion, self.pose, self.coordinate_unit = motion, motion.pose, unit
+        self.coordinate = coordinate or motion.coordinate
 
     def twist(self, time):
         return tuple(part.tolist() for part in self.motion.twist(time))
@@ -66,19 +60,24 @@ def figures(r, motion, wrench, time):
     return r.of(wrench, motion.pose(time)[1], time)
 
 
+def check_as(exact, motion, time):
+    """Compare what a motion has to overcome with that of another; return the former."""
+    wanted, found = Resistance(exact, END), Resistance(motion, END)
+    assert found.columns == wanted.columns
+    for wrench in WRENCHES:
+        # Round-off: the cubics of the table pass through straight and linear data exactly.
+        values = figures(wanted, exact, wrench, time)
+        assert figures(found, motion, wrench, time) == pytest.approx(values, abs=1e-12)
+    return found
+
+
 def test_a_table_of_a_screw_is_a_screw_wherever_its_axis_is():
     screw = ScrewMotion(angular_speed=2.0, pitch=6.0)
-    exact = Resistance(screw, END)
     for motion in (screw_table(), Own(screw)):
-        r = Resistance(motion, END)
+        r = check_as(screw, motion, 0.4)
         assert r.columns == [("torque", "N*mm"), ("axial_force", "N")]
         assert r.meaning == "torque about the axis (0, 0, 1) through (0, 0, 0) mm"
-        for wrench in WRENCHES:
-            # Round-off: the cubics of the table pass through straight and linear data exactly.
-            found = figures(r, motion, wrench, 0.4)
-            assert found == pytest.approx(figures(exact, screw, wrench, 0.4), abs=1e-12)
-    motion = screw_table(point=(7.0, -3.0), pitch=0.0)
-    kept = kept_axis(motion, END)
+    kept = kept_axis(screw_table(point=(7.0, -3.0), pitch=0.0), END)
     assert isinstance(kept, Axis)
     assert kept.direction == (0.0, 0.0, 1.0)
     # Cubic spline through a circle, 6.4 degrees apart: 1e-4 of the radius at its ends.
@@ -86,20 +85,16 @@ def test_a_table_of_a_screw_is_a_screw_wherever_its_axis_is():
 
 
 @pytest.mark.parametrize("direction", [(0.0, 0.0, -1.0), (3.0, 0.0, -4.0), (1.0, 2.0, 2.0)])
-def test_a_straight_way_has_the_force_along_it(direction):
+def test_a_straight_path_has_the_force_along_it(direction):
     straight = StraightMotion(direction, speed=5.0)
-    exact = Resistance(straight, END)
     there = straight.pose(END)[1]
-    # Not at constant speed: it is the way that must be straight.
+    # Not at constant speed: it is the path that must be straight.
     uneven = TableMotion(np.linspace(0.0, END, 5), np.outer([0.0, 0.15, 0.35, 0.65, 1.0], there))
     for motion in (uneven, Own(straight, "mm")):
         assert isinstance(kept_axis(motion, END), Line)
-        r = Resistance(motion, END)
+        r = check_as(straight, motion, 0.3)
         assert r.columns == [("force", "N")]
-        assert r.meaning == exact.meaning
-        for wrench in WRENCHES:
-            found = figures(r, motion, wrench, 0.3)
-            assert found == pytest.approx(figures(exact, straight, wrench, 0.3), abs=1e-12)
+        assert r.meaning == Resistance(straight, END).meaning
 
 
 def test_a_screw_that_advances_at_an_angle_gives_its_power():
@@ -137,22 +132,20 @@ class Given:
 def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion):
     r, term = Resistance(motion, END), Given()
     terms, ledger = ForceTerms([term], motion), Ledger()
-    angle, figure = [], []
+    angle, values = [], []
     for time in np.linspace(0.0, END, 2001).tolist():
         step = END / 2000 if time else 0.0
         state = SimpleNamespace(time=time, dt=step, tick=step)
         pose = Pose.of(*motion.pose(time))
         terms.add_forces(state, pose, ledger)
         angle.append(motion.coordinate(time))
-        figure.append(r.of(term.touch.wrench[0], pose.translation, time))
-    sim = SimpleNamespace(
-        terms=terms, tooth_wrenches=terms.wrench, ledger=ledger, pose=pose, state=state
-    )
-    sim.work_in_film = ledger.tool_work
+        values.append(r.of(term.touch.wrench[0], pose.translation, time))
+    run = {"terms": terms, "tooth_wrenches": terms.wrench, "ledger": ledger}
+    sim = SimpleNamespace(**run, pose=pose, state=state, work_in_film=ledger.tool_work)
     row = {name: value for name, _, value in r.row(sim)}
-    for (name, _), values in zip(r.columns, np.array(figure).T, strict=True):
+    for (name, _), column in zip(r.columns, np.array(values).T, strict=True):
         # Of the same steps: arc and chord.
-        wanted = BrokenLine(np.array(angle), values).integral(0.0, angle[-1])
+        wanted = BrokenLine(np.array(angle), column).integral(0.0, angle[-1])
         assert row[f"{name}_integral"] == pytest.approx(wanted, rel=1e-5)
 
 
@@ -219,24 +212,16 @@ def test_the_wrench_is_whole_and_about_the_worlds_origin():
     assert not np.signbit(r.components(np.zeros(6), origin)).any()
 
 
-@pytest.fixture(scope="module")
-def turned(tmp_path_factory):
-    """Return a run in which a table turns the blade about a point far beside the strip."""
-    # 20 mm from the axis the blade goes nearly straight: 1.6 mm in 0.08 ms.
+def test_a_turning_table_is_told_by_its_torque(tmp_path):
+    # 20 mm from its axis, far beside the strip, the blade moves nearly straight: 1.6 mm.
     times, radius = np.linspace(0.0, 1e-4, 41), 20.0
     a = 2e4 / radius * times
-    way = np.stack([radius * np.sin(a), radius - radius * np.cos(a), 0.0 * a], axis=1)
-    motion = TableMotion(times, way, np.stack([0.0 * a, 0.0 * a, a], axis=1))
-    folder = tmp_path_factory.mktemp("turned")
+    path = np.stack([radius * np.sin(a), radius - radius * np.cos(a), 0.0 * a], axis=1)
+    motion = TableMotion(times, path, np.stack([0.0 * a, 0.0 * a, a], axis=1))
     sim = cutting(motion=motion, pulled=False)
-    Case("turned", sim, 8e-5).run(
-        folder, n_row=400, n_frame=2, n_snapshot=0, curves=False, progress=False
-    )
-    return sim, read(folder)
-
-
-def test_a_turning_table_is_told_by_its_torque(turned):
-    sim, results = turned
+    records = {"n_row": 400, "n_frame": 2, "n_snapshot": 0, "curves": False, "progress": False}
+    Case("turned", sim, 8e-5).run(tmp_path, **records)
+    results = read(tmp_path)
     h = results.history
     assert (results.coordinate_name, results.resistance_name) == ("angle", "torque")
     assert results.resistance_unit == "N*mm"
@@ -247,7 +232,8 @@ def test_a_turning_table_is_told_by_its_torque(turned):
     angle = np.radians(h["angle"])
     work = BrokenLine(angle, h["torque"]).integral(0.0, angle[-1])
     assert work == pytest.approx(sim.ledger.tool_work, rel=3e-2)
-    assert np.abs(h["torque"]).max() > 1.0
+    largest = np.abs(h["torque"]).max()
+    assert largest > 1.0
     # About z, 20 mm beside the world's origin.
     torque = h["moment_z"] + 20.0 * h["force_x"]
-    assert torque == pytest.approx(h["torque"], rel=1e-3, abs=1e-3 * np.abs(h["torque"]).max())
+    assert torque == pytest.approx(h["torque"], rel=1e-3, abs=1e-3 * largest)

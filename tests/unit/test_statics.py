@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from dense_statics import dense
-from patches import hinged_roof
+from patches import hinged_roof, mapped_patch
 from shellcut import EdgeTraction, Gravity, Mesh, NodalForce, Pressure, ShellMaterial, Support
 from shellcut.material import Elastic, Layer, Linear, Plastic
 from shellcut.mesh.structured import cylinder, rectangle
@@ -18,15 +18,16 @@ from shellcut.statics.statics import Statics
 from shellcut.statics.tangent_solver import NoConvergence
 
 LENGTH, WIDTH, THICKNESS, YOUNG, DENSITY = 10.0, 1.0, 0.1, 1.2e6, 1e-9
+LEFT = (Support.clamped("left"),)
 BENDING = YOUNG * WIDTH * THICKNESS**3 / 12.0
 
 
-def cantilever(n, *loads, n_y=1, poisson=0.0):
+def cantilever(n, *loads, n_y=1, poisson=0.0, supports=LEFT):
     material = ShellMaterial.homogeneous(
         young=YOUNG, poisson=poisson, density=DENSITY, thickness=THICKNESS
     )
     mesh = rectangle(LENGTH, WIDTH, n_x=n, n_y=n_y)
-    return Statics(mesh, material, supports=[Support.clamped("left")], loads=loads)
+    return Statics(mesh, material, supports=supports, loads=loads)
 
 
 def tip(strip):
@@ -36,7 +37,7 @@ def tip(strip):
 SHEAR = EdgeTraction("right", (0.0, 0.0, 4.0))
 
 
-# --- linear --------------------------------------------------------------------------------------
+# --- linear
 
 
 def test_linear_end_shear_what_bears_it_and_what_it_stores():
@@ -44,21 +45,18 @@ def test_linear_end_shear_what_bears_it_and_what_it_stores():
     strip = cantilever(8, SHEAR)
     answer = strip.linear()
     displacement, rotation = answer  # as a sequence
-    assert answer[0] is displacement is answer.displacement
-    assert answer[1] is rotation
+    assert displacement is answer.displacement
+    assert rotation is answer.rotation
     shear_flexibility = LENGTH / (5.0 / 6.0 * 0.5 * YOUNG * WIDTH * THICKNESS)
     expected = 4.0 * (LENGTH**3 / (3.0 * BENDING) * (1.0 - 1.0 / 256.0) + shear_flexibility)
     assert displacement[tip(strip), 2] == pytest.approx(expected, rel=1e-9)
+    assert answer.energy == pytest.approx(0.5 * 4.0 * expected, rel=1e-9)
     left = strip.mesh.node_set("left")
     # The supports bear the load, 4 N, and its moment about the root, to round-off.
     np.testing.assert_allclose(answer.reaction.sum(axis=0), [0, 0, -4.0], atol=1e-7)
-    arm = np.cross(strip.mesh.nodes[left], answer.reaction[left]).sum(axis=0)
-    root = answer.reaction_moment[left].sum(axis=0) + arm
-    np.testing.assert_allclose(root, [0, 4.0 * LENGTH, 0], atol=1e-6)
-    free = np.setdiff1d(np.arange(strip.mesh.n_node), left)
-    assert not answer.reaction[free].any()
-    assert not answer.reaction_moment[free].any()
-    assert answer.energy == pytest.approx(0.5 * 4.0 * displacement[tip(strip), 2], rel=1e-9)
+    np.testing.assert_allclose(moment(strip, answer), [0, 4.0 * LENGTH, 0], atol=1e-6)
+    assert not np.delete(answer.reaction, left, axis=0).any()
+    assert not np.delete(answer.reaction_moment, left, axis=0).any()
     assert max(answer.residual, answer.error) < 1e-9
     assert 1e4 < answer.condition < 1e12
     assert (strip.state.node.x == strip.state.node.X).all()
@@ -69,48 +67,58 @@ def test_linear_end_shear_what_bears_it_and_what_it_stores():
     assert (answer.stress(place="top") == before).all()
 
 
+def moment(strip, answer, displacement=0.0):
+    """Return the moment of the reactions at the left side about the origin."""
+    left = strip.mesh.node_set("left")
+    places = (strip.mesh.nodes + displacement)[left]
+    return (answer.reaction_moment[left] + np.cross(places, answer.reaction[left])).sum(axis=0)
+
+
 def test_stresses_about_a_stretched_state_are_the_difference_quotient():
     strip = cantilever(4, EdgeTraction("right", (2e3, 0.0, 0.0)), poisson=0.3, n_y=2)
     strip.load_steps([1.0])
-    before = strip.stress(place="top")
-    answer = strip.linear()
-    change, n, node = answer.stress(place="top") - before, strip.mesh.n_node, strip.state.node
+    before, answer, node = strip.stress(place="top"), strip.linear(), strip.state.node
+    change = answer.stress(place="top") - before
     start, moved = (node.x.copy(), node.t.copy()), []
-    for sign in (1.0, -1.0):
-        strip.move(1e-4 * sign * answer.displacement, 1e-4 * sign * answer.rotation)
+    for step in (1e-4, -1e-4):
+        strip.move(step * answer.displacement, step * answer.rotation)
         moved.append(strip.stress(place="top"))
         node.x[:], node.t[:] = start
     quotient = (moved[0] - moved[1]) / 2e-4
     # Error of a central difference, and round-off over the step.
     np.testing.assert_allclose(change, quotient, atol=1e-6 * abs(quotient).max())
-    assert abs(answer.displacement[:n]).max() > 1e-3
+    assert abs(answer.displacement).max() > 1e-3
     with pytest.raises(ValueError, match="place must be one of"):
         answer.stress(place="nominal")
 
 
-def test_an_equilibrium_knows_its_reactions_energy_and_residual():
-    strip = cantilever(8, SHEAR)
-    path = strip.load_steps(np.linspace(0.05, 1.0, 20))
-    end, left = path[-1], strip.mesh.node_set("left")
+def test_an_equilibrium_knows_its_reactions_energy_and_residual_on_any_path():
+    strip, factors = cantilever(8, SHEAR), np.linspace(0.05, 1.0, 20)
+    path = strip.load_steps(factors)
+    assert [e.factor for e in path] == pytest.approx(factors)
+    end, right = path[-1], strip.mesh.node_set("right")
     np.testing.assert_allclose(end.reaction.sum(axis=0), [0, 0, -4.0], atol=1e-6)
     here = strip.mesh.nodes + end.displacement
-    load = np.cross(here[strip.mesh.node_set("right")], [0, 0, 2.0]).sum(axis=0)
-    arm = np.cross(here[left], end.reaction[left]).sum(axis=0)
-    held = end.reaction_moment[left].sum(axis=0) + arm
-    np.testing.assert_allclose(held, -load, atol=1e-5)
+    load = np.cross(here[right], [0, 0, 2.0]).sum(axis=0)
+    np.testing.assert_allclose(moment(strip, end, end.displacement), -load, atol=1e-5)
     assert end.residual <= 1e-8
     # Work of the dead load along the path, by the trapezoidal rule.
-    way = np.array([0.0, *(e.displacement[tip(strip), 2] for e in path)])
-    force = np.array([0.0, *(4.0 * e.factor for e in path)])
-    work = 0.5 * (force[1:] + force[:-1]) @ np.diff(way)
+    w = np.array([0.0, *(e.displacement[tip(strip), 2] for e in path)])
+    work = np.trapezoid(4.0 * np.append(0.0, factors), w)
     assert end.energy == pytest.approx(work, rel=2e-3)
+    # In one step, and back. All are at equilibrium to 1e-8 of the largest force.
+    strip = cantilever(8, SHEAR)
+    there, back = strip.load_steps([1.0, 0.0])
+    np.testing.assert_allclose(there.displacement, end.displacement, atol=1e-6)
+    assert there.n_iteration < 12
+    assert abs(back.displacement).max() < 1e-6
+    assert strip.factor == 0.0
 
 
 @pytest.mark.parametrize(
     ("quads", "message"),
     [
         ([8], "quad ids from 0 to 7, got 8"),
-        ([0, -1], "quad ids from 0 to 7, got -1"),
         ([True] * 8, r"got an array of shape \(8,\) and type bool; of a mask take np.flatnonzero"),
         ([0.5], r"got an array of shape \(1,\) and type float64"),
         (0, r"got an array of shape \(\)"),
@@ -118,64 +126,53 @@ def test_an_equilibrium_knows_its_reactions_energy_and_residual():
 )
 def test_stresses_of_no_quads_are_refused(quads, message):
     strip = cantilever(4, SHEAR, n_y=2)
-    answer = strip.linear()
-    for stress in (strip.stress, answer.stress):
+    for stress in (strip.stress, strip.linear().stress):
         with pytest.raises(ValueError, match=message):
             stress(quads)
         assert stress([]).shape == (0, 3, 3)
 
 
-# --- load steps ----------------------------------------------------------------------------------
+# --- load steps
 
 
-def test_the_path_does_not_depend_on_the_steps_and_comes_back():
-    many = cantilever(8, SHEAR).load_steps(np.linspace(0.1, 1.0, 10))
-    strip = cantilever(8, SHEAR)
-    few = strip.load_steps([1.0, 0.0])
-    assert [e.factor for e in many] == pytest.approx(np.linspace(0.1, 1.0, 10))
-    # All are at equilibrium to 1e-8 of the largest force.
-    np.testing.assert_allclose(few[0].displacement, many[-1].displacement, atol=1e-6)
-    assert few[0].n_iteration < 12
-    assert abs(few[1].displacement).max() < 1e-6
-    assert strip.factor == 0.0
-
-
-@pytest.mark.parametrize("factors", [[float("nan")], [0.5, np.inf], ["all"], 1.0])
+@pytest.mark.parametrize("factors", [[float("nan")], ["all"], 1.0])
 def test_load_factors_must_be_numbers(factors):
-    strip = cantilever(2, SHEAR)
     with pytest.raises(ValueError, match="factors must be a list of finite numbers, got"):
-        strip.load_steps(factors)
-    assert (strip.state.node.x == strip.state.node.X).all()
+        cantilever(2, SHEAR).load_steps(factors)
 
 
 def test_no_convergence_names_the_last_equilibrium_and_puts_it_back(monkeypatch):
     strip = cantilever(8, SHEAR)
     (before,) = strip.load_steps([0.25])
     monkeypatch.setattr(load_path, "_MOST_ITERATIONS", 1)
-    with pytest.raises(
-        NoConvergence,
-        match=r"no equilibrium at load factor 0\.25.* after 1 iterations, residual .* N; the last "
-        r"equilibrium is at load factor 0\.25: follow the path by arc length",
-    ):
+    said = (
+        r"no equilibrium at load factor 0\.25.* after 1 iterations, residual .* N; the last "
+        r"equilibrium is at load factor 0\.25: follow the path by arc length"
+    )
+    with pytest.raises(NoConvergence, match=said):
         strip.load_steps([1.0])
-    n = strip.mesh.n_node
-    assert (strip.state.node.x[:n] - strip.state.node.X[:n] == before.displacement).all()
+    n, node = strip.mesh.n_node, strip.state.node
+    assert (node.x[:n] - node.X[:n] == before.displacement).all()
     with pytest.raises(NoConvergence, match=r"could not be followed past load factor 0\.25"):
         strip.arc_length(0.5, until=lambda e: e.factor > 1.0)
+
+
+def two_of(mesh, *shift):
+    """Return a mesh and a copy of it beside it as one film of two parts."""
+    nodes = np.concatenate([mesh.nodes, mesh.nodes + np.array(shift)])
+    return Mesh.from_arrays(nodes, np.concatenate([mesh.quads, mesh.quads + mesh.n_node]))
 
 
 def test_a_rigid_motion_is_refused():
     material = ShellMaterial.homogeneous(young=YOUNG, density=DENSITY, thickness=THICKNESS)
     mesh = rectangle(LENGTH, WIDTH, n_x=4, n_y=1)
     free = Statics(mesh, material, supports=[Support("left", "xy", "")], loads=[SHEAR])
-    motions = r"\(along z, about x, about y\)"
-    named = f"a rigid motion is not supported {motions}"
+    named = r"a rigid motion is not supported \(along z, about x, about y\)"
     with pytest.raises(NoConvergence, match=named):
         free.linear()
-    # Two parts, one of which is held: what the other can do is said of it.
-    two = np.concatenate([mesh.nodes, mesh.nodes + np.array([0.0, 2.0, 0.0])])
-    parts = Mesh.from_arrays(two, np.concatenate([mesh.quads, mesh.quads + mesh.n_node]))
-    left = np.flatnonzero(two[:, 0] == 0.0)
+    # Two parts, one of which is clamped: the message says what the other can do.
+    parts = two_of(mesh, 0.0, 2.0, 0.0)
+    left = np.flatnonzero(parts.nodes[:, 0] == 0.0)
     supports = [Support.clamped(left[:2]), Support(left[2:], "xyz", "")]
     with pytest.raises(NoConvergence, match=r"\(about an axis along \(0, 1, 0\) of part 2 of 2\)"):
         Statics(parts, material, supports=supports, loads=[Gravity((0, 0, -9810.0))]).linear()
@@ -184,27 +181,17 @@ def test_a_rigid_motion_is_refused():
 def test_shares_of_a_step_end_at_its_factor(monkeypatch):
     # 0.37 in eighths, summed, is one unit of the last digit below it.
     (whole,) = cantilever(8, SHEAR).load_steps([0.37])
-    asked, newton = [0.0], load_path.LoadPath._newton
-
-    def asking(path, factor):
-        used = newton(path, factor)
-        asked.append(factor)
-        return used
-
-    monkeypatch.setattr(load_path.LoadPath, "_newton", asking)
     monkeypatch.setattr(load_path, "_MOST_ITERATIONS", 3)
     strip = cantilever(8, SHEAR)
     (end,) = strip.load_steps([0.37])
     assert end.factor == 0.37
     np.testing.assert_allclose(end.displacement, whole.displacement, atol=1e-6)
     assert end.n_iteration > whole.n_iteration
-    assert len(asked) > 4
-    assert min(np.diff(asked)) > 1e-3 * 0.37
     # What is at rest under a load needs no step to it.
     assert strip.load_steps([0.37, np.nextafter(0.37, 1.0)])[-1].n_iteration == 0
 
 
-# --- stability -----------------------------------------------------------------------------------
+# --- stability
 
 
 def pressed_plate(imperfection=0.0, n=8):
@@ -228,10 +215,23 @@ def pressed_plate(imperfection=0.0, n=8):
     return plate, np.argmax(wave), h
 
 
-def dense_frequencies(film):
-    K, mass = dense(film)
+def check_modes(film, n, **options):
+    """Compare the lowest frequencies with those of the dense matrices, and return all of these."""
+    K, mass = dense(film, **options)
     q2 = np.linalg.eigvalsh(K / np.sqrt(np.outer(mass, mass)))
-    return np.sign(q2) * np.sqrt(abs(q2)) / (2.0 * np.pi)
+    expected = np.sign(q2) * np.sqrt(abs(q2)) / (2.0 * np.pi)
+    modes = film.modes(n, **options)
+    np.testing.assert_allclose(modes.frequency, expected[:n], rtol=1e-6)
+    return modes, expected
+
+
+def test_modes_of_an_unstable_state_are_the_lowest():
+    plate, _, _ = pressed_plate()
+    (rest,) = plate.load_steps([8.0])
+    assert rest.n_negative > 4
+    for n in (1, rest.n_negative - 1, rest.n_negative, rest.n_negative + 4):
+        _, expected = check_modes(plate, n)
+    assert (expected < 0.0).sum() == rest.n_negative
 
 
 def test_a_flat_plate_says_where_it_buckles_and_finds_its_stable_branch(caplog):
@@ -245,26 +245,26 @@ def test_a_flat_plate_says_where_it_buckles_and_finds_its_stable_branch(caplog):
     assert said[0] == pytest.approx(1.0, abs=0.03)
     assert "move the film by about its thickness along Statics.modes(1).shape[0]" in caplog.text
     # The motion that grows comes first, with its sign.
-    modes = plate.modes(3)
-    np.testing.assert_allclose(modes.frequency, dense_frequencies(plate)[:3], rtol=1e-6)
+    modes, _ = check_modes(plate, 3)
     assert modes.frequency[0] < 0.0 < modes.frequency[1]
+    with pytest.raises(ValueError, match=r"displacement must have shape \(81, 3\)"):
+        plate.move(np.zeros((3, 3)))
     plate.move(h * modes.shape[0])
     (rest,) = plate.load_steps([1.31])
     assert rest.n_negative == 0
-    waved = pressed_plate(1e-3)[0].load_steps([1.31])[0].displacement[centre, 2]
-    assert abs(rest.displacement[centre, 2]) == pytest.approx(waved, rel=1e-3)
-    assert waved > 1.1 * h
-
-
-def test_one_large_step_ends_on_the_branch_of_small_ones(caplog):
+    # An uneven plate in one large step ends on this branch, as in small ones.
+    caplog.clear()
     ends = []
     for factors in ([1.31], np.linspace(0.131, 1.31, 10)):
-        plate, centre, h = pressed_plate(0.01)
-        ends.append(plate.load_steps(factors)[-1])
-        assert ends[-1].displacement[centre, 2] > h
+        waved, _, _ = pressed_plate(0.01)
+        ends.append(waved.load_steps(factors)[-1])
+        assert ends[-1].n_negative == 0
     np.testing.assert_allclose(ends[0].displacement, ends[1].displacement, atol=1e-6 * h)
-    assert [e.n_negative for e in ends] == [0, 0]
     assert not caplog.records
+    (waved,) = pressed_plate(1e-3)[0].load_steps([1.31])
+    deflection = waved.displacement[centre, 2]
+    assert abs(rest.displacement[centre, 2]) == pytest.approx(deflection, rel=1e-3)
+    assert deflection > 1.1 * h
 
 
 @pytest.mark.parametrize(("following", "critical"), [(True, 3.0), (False, 4.0)])
@@ -317,33 +317,15 @@ def test_a_limit_load_by_yielding_is_one():
     assert abs(stiffness - stiffness.T).max() < 1e-14 * abs(stiffness).max()
 
 
-def test_modes_of_an_unstable_state_are_the_lowest():
-    plate, _, _ = pressed_plate()
-    (rest,) = plate.load_steps([8.0])
-    expected = dense_frequencies(plate)
-    n = int((expected < 0.0).sum())
-    assert n == rest.n_negative > 4
-    for k in (1, n - 1, n, n + 4):
-        np.testing.assert_allclose(plate.modes(k).frequency, expected[:k], rtol=1e-6)
-
-
-# --- arc length ----------------------------------------------------------------------------------
+# --- arc length
 
 
 def strut(base, rise, n):
     """Half a shallow truss: a thick strip, pinned below, its top guided along z and loaded."""
-    u, v = np.meshgrid(np.arange(n + 1) / n, [0.0, 1.0], indexing="ij")
-    nodes = np.stack([base * u, v, rise * u], axis=-1).reshape(-1, 3)
-    ids = np.arange(2 * (n + 1)).reshape(n + 1, 2)
-    quads = np.stack([ids[:-1, 0], ids[1:, 0], ids[1:, 1], ids[:-1, 1]], axis=1)
-    mesh = Mesh.from_arrays(nodes, quads, node_sets={"foot": ids[0], "top": ids[-1]})
+    mesh = mapped_patch(n, 1, lambda u, v: (np.stack([base * u, v, rise * u], -1), u), exact=False)
     material = ShellMaterial.homogeneous(young=100.0, poisson=0.0, density=1e-9, thickness=1.0)
-    return Statics(
-        mesh,
-        material,
-        supports=[Support.pinned("foot"), Support("top", "xy", "")],
-        loads=[EdgeTraction("top", (0.0, 0.0, -1.0))],
-    )
+    supports = [Support.pinned("u0"), Support("u1", "xy", "")]
+    return Statics(mesh, material, supports=supports, loads=[EdgeTraction("u1", (0.0, 0.0, -1.0))])
 
 
 def test_arc_length_passes_both_limit_points_of_a_truss(caplog):
@@ -355,7 +337,7 @@ def test_arc_length_passes_both_limit_points_of_a_truss(caplog):
     limit = 100.0 * rise**3 / (3.0 * np.sqrt(3.0) * np.hypot(base, rise) ** 3)
     path = truss.arc_length(0.3 * limit, until=lambda e: e.factor > 2.0 * limit)
     factor = np.array([e.factor for e in path])
-    top = truss.mesh.node_set("top")[0]
+    top = truss.mesh.node_set("u1")[0]
     z = rise + np.array([e.displacement[top, 2] for e in path])
     exact = 100.0 * (rise**2 - z**2) * z / (2.0 * np.hypot(base, rise) ** 3)
     np.testing.assert_allclose(factor, exact, atol=1e-6 * limit)
@@ -382,7 +364,7 @@ def test_arc_length_goes_on_from_load_steps():
     assert len(strip.arc_length(1e-4, until=lambda _: False, longest=1.0)) == 200
 
 
-@pytest.mark.parametrize("first", [0.05, 0.4, 1.0, 5.0])
+@pytest.mark.parametrize("first", [0.05, 1.0, 5.0])
 def test_a_snap_is_not_passed_in_one_leap(first):
     # The roof of case B09, half as thick. The load falls to -0.1245 of the full one while the
     # centre goes back by 2 mm.
@@ -391,37 +373,33 @@ def test_a_snap_is_not_passed_in_one_leap(first):
     factor = np.array([e.factor for e in path])
     down = -np.array([e.displacement[top, 2] for e in path])
     assert factor.min() == pytest.approx(-0.1245, abs=2e-3)
-    back = (np.diff(down) < 0.0).sum()
-    assert back >= 2
-    increments = np.diff([e.displacement for e in path], axis=0).reshape(len(path) - 1, -1)
-    size = np.linalg.norm(increments, axis=1)
-    turn = (increments[1:] * increments[:-1]).sum(axis=1) / (size[1:] * size[:-1])
+    assert (np.diff(down) < 0.0).sum() >= 2
+    steps = np.diff([e.displacement.ravel() for e in path], axis=0)
+    steps /= np.linalg.norm(steps, axis=1, keepdims=True)
+    turn = (steps[1:] * steps[:-1]).sum(axis=1)
     assert turn.min() > np.cos(np.radians(30.0))
     # Nor in the first: before it the load has its maximum.
     assert factor[: factor.argmin()].max() == pytest.approx(0.206, abs=0.01)
 
 
 def test_arc_length_is_bounded():
-    paths = [
-        cantilever(8, SHEAR).arc_length(0.01, until=lambda e: e.factor > 0.2, longest=longest)
-        for longest in (1.0, 8.0)
-    ]
-    for path, longest in zip(paths, (1.0, 8.0), strict=True):
+    n_step = []
+    for longest in (1.0, 8.0):
+        strip = cantilever(8, SHEAR)
+        path = strip.arc_length(0.01, until=lambda e: e.factor > 0.2, longest=longest)
         points = np.array([0.0 * path[0].displacement, *(e.displacement for e in path)])
         size = np.linalg.norm(np.diff(points, axis=0).reshape(len(path), -1), axis=1)
-        # Along the way; across it a step may be a little longer.
+        # Along the path; across it a step may be a little longer.
         assert size.max() < 1.1 * longest * size[0]
-    assert len(paths[0]) > 2 * len(paths[1])
+        n_step.append(len(path))
+    assert n_step[0] > 2 * n_step[1]
 
 
 def test_an_arc_that_cannot_be_begun_is_refused():
     strip = cantilever(8, SHEAR)
-    wrong = {"longest": 0.5, "n_wanted": 0}
-    with pytest.raises(
-        ValueError,
-        match=r"n_wanted must be 1 or more, got 0; longest must be 1 or more, got 0\.5",
-    ):
-        strip.arc_length(0.1, until=lambda e: True, **wrong)
+    said = r"n_wanted must be 1 or more, got 0; longest must be 1 or more, got 0\.5"
+    with pytest.raises(ValueError, match=said):
+        strip.arc_length(0.1, until=lambda e: True, longest=0.5, n_wanted=0)
     for first in (0, np.nan, "some"):
         with pytest.raises(ValueError, match=f"first must be .*, got .*{first}"):
             strip.arc_length(first, until=lambda e: True)
@@ -431,66 +409,56 @@ def test_an_arc_that_cannot_be_begun_is_refused():
 
 
 def test_an_arc_begins_at_an_equilibrium():
-    # A moved film is at rest nowhere: the first increment is not the way back to rest.
-    strip, still = cantilever(8, SHEAR), cantilever(8, SHEAR)
-    moved = np.zeros((strip.mesh.n_node, 3))
-    moved[:, 2] = 1e-3 * strip.mesh.nodes[:, 0] ** 2
-    strip.move(moved)
-    paths = [s.arc_length(0.05, until=lambda e: e.factor > 0.1) for s in (strip, still)]
+    # A moved film is at rest nowhere: the first increment does not lead back to rest.
+    paths = []
+    for lifted in (1e-3, 0.0):
+        strip = cantilever(8, SHEAR)
+        strip.move(np.outer(lifted * strip.mesh.nodes[:, 0] ** 2, [0.0, 0.0, 1.0]))
+        paths.append(strip.arc_length(0.05, until=lambda e: e.factor > 0.1))
     for one, two in zip(*paths, strict=True):
         np.testing.assert_allclose(one.displacement, two.displacement, atol=1e-6)
 
 
-# --- vibrations ----------------------------------------------------------------------------------
+# --- vibrations
 
 
 def test_largest_frequency_is_that_of_the_dense_matrices():
-    strip = cantilever(6, n_y=2, poisson=0.3)
-    K, mass = dense(strip, true_inertia=False)
-    squared = np.linalg.eigvalsh(K / np.sqrt(np.outer(mass, mass)))
-    largest = np.sqrt(squared[-1])
-    assert strip.largest_frequency() == pytest.approx(largest, rel=1e-9)
-    lowest = np.sqrt(squared[:3]) / (2.0 * np.pi)
-    np.testing.assert_allclose(strip.modes(3, true_inertia=False).frequency, lowest, rtol=1e-6)
+    one_freedom = cantilever(2, supports=[Support.clamped(range(1, 6)), Support([0], "xy", "xyz")])
+    for strip, n in ((cantilever(6, n_y=2, poisson=0.3), 3), (one_freedom, 1)):
+        _, expected = check_modes(strip, n, true_inertia=False)
+        assert strip.largest_frequency() == pytest.approx(2.0 * np.pi * expected[-1], rel=1e-9)
 
 
 def test_all_modes_there_are_and_no_more():
-    strip = cantilever(2)
-    n = 20
-    all_ = strip.modes(n).frequency
-    free = Statics(strip.mesh, strip.shell.material).modes(5 * strip.mesh.n_node).frequency
-    assert np.flatnonzero(free == 0.0).tolist() == list(range(6))
-    np.testing.assert_allclose(strip.modes(n - 3).frequency, all_[:-3], rtol=1e-8)
+    strip, n = cantilever(2), 20
+    np.testing.assert_allclose(
+        strip.modes(n - 3).frequency, strip.modes(n).frequency[:-3], rtol=1e-8
+    )
     for wrong in (n + 1, 0, 2.0):
         with pytest.raises(ValueError, match=f"n must be a whole number from 1 to 20.*got {wrong}"):
             strip.modes(wrong)
+    free = Statics(strip.mesh, strip.shell.material).modes(5 * strip.mesh.n_node).frequency
+    assert np.flatnonzero(free == 0.0).tolist() == list(range(6))
 
 
 def test_no_mode_is_omitted_where_many_are_alike():
-    # Two free films, every frequency twice and twelve rigid motions; and one whose factors would
-    # be exactly singular.
+    # Two free films: every frequency twice and twelve rigid motions.
     one = rectangle(4.0, 3.0, n_x=6, n_y=6)
-    two = Mesh.from_arrays(
-        np.concatenate([one.nodes, one.nodes + np.array([5.0, 0.0, 0.0])]),
-        np.concatenate([one.quads, one.quads + one.n_node]),
-    )
     film = ShellMaterial.homogeneous(young=1e6, density=DENSITY, thickness=0.05)
-    frequency = Statics(two, film).modes(20).frequency
+    frequency = Statics(two_of(one, 5.0, 0.0, 0.0), film).modes(20).frequency
     assert (frequency[:12] == 0.0).all()
     np.testing.assert_allclose(frequency[12::2], frequency[13::2], rtol=1e-8)
     np.testing.assert_allclose(frequency[12::2], Statics(one, film).modes(10).frequency[6:])
+    # A film whose factors would be exactly singular.
     square = Statics(rectangle(4.0, 4.0, n_x=1, n_y=1), ShellMaterial.homogeneous(thickness=1.0))
-    frequency = square.modes(7).frequency
-    assert (frequency[:6] == 0.0).all()
-    assert frequency[6] > 0.0
+    assert (square.modes(7).frequency > 0.0).tolist() == [False] * 6 + [True]
 
 
 def test_what_statics_cannot_do_is_refused():
-    mesh, film = rectangle(2.0, 1.0, n_x=2, n_y=1), ShellMaterial.homogeneous()
     moving = Support("right", velocity={"x": lambda time: 1.0}, spin={"y": lambda time: 1.0})
     with pytest.raises(ValueError, match=r"velocity of the support of 'right' .*; spin of .*move"):
-        Statics(mesh, film, supports=[Support.clamped("left"), moving])
-    full = Statics(mesh, film, supports=[Support.clamped(range(6))])
+        cantilever(2, supports=[Support.clamped("left"), moving])
+    full = cantilever(2, supports=[Support.clamped(range(6))])
     for ask in (
         full.linear,
         full.largest_frequency,
@@ -500,25 +468,3 @@ def test_what_statics_cannot_do_is_refused():
     ):
         with pytest.raises(ValueError, match="no freedom is left"):
             ask()
-
-
-def test_a_single_freedom_has_a_frequency():
-    mesh, film = rectangle(2.0, 1.0, n_x=2, n_y=1), ShellMaterial.homogeneous()
-    held = [Support.clamped(range(1, 6)), Support([0], "xy", "xyz")]
-    one = Statics(mesh, film, supports=held)
-    lowest = 2.0 * np.pi * one.modes(1, true_inertia=False).frequency[0]
-    assert one.largest_frequency() == pytest.approx(lowest, rel=1e-9)
-
-
-def test_a_moved_rim_stretches_the_film():
-    mesh = rectangle(4.0, 4.0, n_x=4, n_y=4)
-    rim = mesh.boundary_nodes()
-    film = Statics(mesh, ShellMaterial.homogeneous(), supports=[Support.clamped(rim)])
-    moved = np.zeros((mesh.n_node, 3))
-    moved[rim, 0] = 1e-3 * mesh.nodes[rim, 0]
-    film.move(moved)
-    (rest,) = film.load_steps([1.0])
-    # A patch test: the interior follows the rim's homogeneous stretch, to round-off.
-    np.testing.assert_allclose(rest.displacement[:, 0], 1e-3 * mesh.nodes[:, 0], atol=1e-12)
-    with pytest.raises(ValueError, match=r"displacement must have shape \(25, 3\)"):
-        film.move(np.zeros((3, 3)))
