@@ -15,11 +15,11 @@ from known_film import (
     RIGHT_PART,
     check_film,
     check_geometry,
+    film_of_text,
+    refusal_of_text,
     rows_in,
 )
 from shellcut.formats.budget import LIMITS
-from shellcut.formats.errors import FileError
-from shellcut.mesh.film_file import read_film
 
 
 def nodes(scale=1.0, shift=(0.0, 0.0, 0.0)):
@@ -55,15 +55,11 @@ A film
 
 
 def film(tmp_path, text, **options):
-    path = tmp_path / "film.inp"
-    path.write_text(text)
-    return read_film(path, **{"unit": "mm", **options})
+    return film_of_text(tmp_path / "film.inp", text, **options)
 
 
-def refusal(tmp_path, text, **options):
-    with pytest.raises(FileError) as caught:
-        film(tmp_path, text, **options)
-    return str(caught.value)
+def refusal(tmp_path, text):
+    return refusal_of_text(tmp_path / "film.inp", text)
 
 
 class TestFlatDeck:
@@ -195,48 +191,29 @@ def test_nodes_of_no_quad_are_said(tmp_path, caplog):
     ("add", "words"),
     [
         ("*NGEN\n1, 9, 1\n", "*NGEN: generates or moves nodes and elements"),
-        ("*ELGEN\n", "*ELGEN: generates or moves"),
         ("*ELEMEN, TYPE=S4\n1, 1, 2, 3, 4\n", "did you mean *ELEMENT?"),
-        ("*NSGT, NSET=rim\n10\n", "did you mean *NSET?"),
         ("*ELEMENT\n", "parameter TYPE must be given"),
         ("*ELEMENT, TYPE=S4\n1, 10, 17\n", "must have 4 nodes, got 2; is the file cut short?"),
         ("*ELEMENT, TYPE=S4\n1, 10, 17, 24, 31, 38\n", "must have 4 nodes, got 5"),
-        (
-            "*ELEMENT, TYPE=S4\n1, 10, 17, 24, 3\n",
-            "element 1 must have nodes that are defined, got 3",
-        ),
+        ("*ELEMENT, TYPE=S4\n1, 10, 17, 24, 3\n", "must have nodes that are defined, got 3"),
         (f"*ELEMENT, TYPE=S4\n{quads([0])}", f"element id must occur once, got {QUAD_ID[0]}"),
         ("*NODE\n10, 0., 1.\n", "node 10 must have one place, got (0.0, 1.0, 0.0) and (0.0, 0.0"),
-        ("*NODE\n1000, a, 0.\n", "entry 2 must be a number, got 'a'"),
-        ("*NODE\n1.5, 0., 0.\n", "entry 1 must be a whole number, got '1.5'"),
+        ("*NODE\n1_0, 0., 0.\n", "entry 1 must be a whole number, got '1_0'"),
         ("*NODE, SYSTEM=C\n1000, 1., 0.\n", "must be Cartesian"),
         ("*NSET, NSET=x\n11\n", "node 11 must be defined"),
         ("*NSET, NSET=x\nnone\n", "there must be node set 'none'"),
         ("*NSET, NSET=x\nx\n", "must not contain itself"),
         ("*NSET, NSET=x, GENERATE\n1, 10, 2\n", "a step that divides their difference"),
-        (
-            "*NSET, NSET=x, GENERATE\n1, 1000000000000, 1\n",
-            "must have 50,000,000 ids in its sets at most, got 1,000,000,000,000",
-        ),
-        (
-            "".join(f"*NSET, NSET=s{k}\ns{k + 1}\n" for k in range(60)),
-            "sets must nest to 50 levels at most",
-        ),
+        ("*NSET, NSET=x, GENERATE\n1, 1000000000000, 1\n", "50,000,000 ids in its sets at most"),
+        ("".join(f"*NSET, NSET=s{k}\ns{k + 1}\n" for k in range(60)), "sets must nest to 50"),
         ("*NSET, NSET=x, INSTANCE=i\n10\n", "there must be an instance 'i'"),
         ("*PART, NAME=p\n", "*PART: must be ended by *END PART: cut short?"),
         ("*END PART\n", "but none is open"),
-        ("*INCLUDE, INPUT=none.inp\n", "'none.inp' must lie beside"),
-        ("*INCLUDE, INPUT=film.inp\n", "must not include itself"),
-        (
-            "*ELEMENT, TYPE=S8R\n1, 10, 17, 24, 31, 38, 45, 52,\n59\n",
-            "1 cells of kind 'S8R' (ids 1); mesh with linear shells, choose quadratic=\"corn",
-        ),
+        ("*ELEMENT, TYPE=S8R\n1, 10, 17, 24, 31, 38, 45, 52,\n59\n", 'choose quadratic="corn'),
         ("*ELEMENT, TYPE=C3D8R\n1, 1, 2, 3, 4, 5, 6, 7, 8\n", "1 cells of kind 'C3D8R' (ids 1)"),
-        (
-            "*ELEMENT, TYPE=S3\n1, 10, 17, 24\n",
-            "got 1 triangles beside 10 quads (ids 1); mesh with",
-        ),
         ("*NODE,\n", "ends in a comma must continue"),
+        ("*ELSET, ELSSET=x\n1\n", "'ELSSET'; did you mean ELSET"),
+        ("*NSET NSET=x\n1\n", "a comma must stand between"),
     ],
 )
 def test_refusals(tmp_path, add, words):
@@ -244,11 +221,6 @@ def test_refusals(tmp_path, add, words):
 
 
 SAMPLE = samples.abaqus()
-
-
-def changed(old, new):
-    assert SAMPLE.count(old) == 1, "the sample has changed"
-    return SAMPLE.replace(old, new)
 
 
 @pytest.mark.parametrize(
@@ -267,39 +239,22 @@ def test_what_is_not_used_is_said(tmp_path, caplog, old, new, told):
     film(tmp_path, SAMPLE)
     (said,) = caplog.messages
     assert "not used, a film takes nodes, quads and sets only: " in said
-    film(tmp_path, changed(old, new))
+    assert SAMPLE.count(old) == 1, "the sample has changed"
+    film(tmp_path, SAMPLE.replace(old, new))
     assert told in caplog.text
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "told"),
-    [
-        ("*Elset, elset=u", "*Elset, elsset=u", "'ELSSET'; did you mean ELSET"),
-        ("*Nset, nset=ring", "*Nset nset=ring", "a comma must stand between"),
-        ("\n44, 2, ", "\n4_4, 2, ", "must be a whole number, got '4_4'"),
-    ],
-)
-def test_what_is_misspelt_is_refused(tmp_path, old, new, told):
-    assert told in refusal(tmp_path, changed(old, new))
-
-
-def test_what_instances_and_includes_make_is_counted(tmp_path, monkeypatch):
+def test_what_instances_make_is_counted(tmp_path, monkeypatch):
     monkeypatch.setitem(LIMITS, "nodes and elements with those of all instances", 100)
     instances = "".join(f"*INSTANCE, NAME=s{k}, PART=Sheet\n*END INSTANCE\n" for k in range(4))
     text = f"{TestPartsAndInstances.PART}*ASSEMBLY, NAME=a\n{instances}*END ASSEMBLY\n"
-    assert "100 nodes and elements with those of all instances at most, got 112" in refusal(
-        tmp_path, text
-    )
-    for k in range(1, 30):
-        (tmp_path / f"i{k}.inp").write_text(f"*INCLUDE, INPUT=i{k + 1}.inp\n" * 2)
-    (tmp_path / "i30.inp").write_text("** nothing\n")
-    told = refusal(tmp_path, f"{FLAT}*INCLUDE, INPUT=i1.inp\n")
-    assert "1,000 files with those included at most, got 1,001" in told
+    assert "100 nodes and elements with those of all instances" in refusal(tmp_path, text)
 
 
 def test_lines_are_named_and_a_file_without_keywords_is_refused(tmp_path):
     told = refusal(tmp_path, FLAT + "*NODE\n1000, a, 0.\n")
     assert f"film.inp, line {FLAT.count(chr(10)) + 2}: " in told
+    assert "entry 2 must be a number, got 'a'" in told
     assert "must hold *KEYWORD lines" in refusal(tmp_path, "hello\n")
     assert "there must be quads" in refusal(tmp_path, "*NODE\n1, 0., 0.\n")
 

@@ -66,16 +66,6 @@ def test_what_is_in_order_is_not_blamed(build):
     assert found(build()) == ()
 
 
-def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
-    film = shellcut.preset_film("ldpe", hardening={"yield_stress": 8.0, "modulus": 20.0})
-    finding, note = found(shellcut.guillotine(0.8, material=film))
-    assert (finding.severity, note.severity) == ("doubt", "note")
-    assert "a crack needs 18 MPa" in finding.came
-    case = shellcut.guillotine(0.8, material=film)
-    shellcut.check_model(case.simulation, case.duration).say()
-    assert "distrust: a film must be able to carry the strength" in caplog.text
-
-
 NO_RUN_OF_THEIR_OWN = "Statics(", "sweep(", "optimise("
 CUTTING = [
     path.stem
@@ -130,16 +120,15 @@ def test_the_examples_are_in_order(name, tmp_path, monkeypatch):
 # --- the way of the edges ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("beside", "share"), [(0.2, 0.25), (0.4, 0.5)])
-def test_a_blade_beside_the_rows_is_told(beside, share):
-    blade = straight_blade(length=12.0, height=3.0).translated((-0.05, beside, 0.0))
-    said = only(strip_cut(tool=blade, path="edges"))
+def test_a_blade_beside_the_rows_is_told():
+    blade = straight_blade(length=12.0, height=3.0)
+    near, beside = (blade.translated((-0.05, y, 0.0)) for y in (0.07, 0.2))
+    said = only(strip_cut(tool=beside, path="edges"))
     assert "no such row in 100 % of the 13 quads" in said
-    assert f"the next one {0.8 * share:.3g} mm away" in said
+    assert "the next one 0.2 mm away" in said
     assert 'fracture.path = "free"' in said
-    assert found(strip_cut(tool=blade)) == ()  # through the quads
-    near = straight_blade(length=12.0, height=3.0).translated((-0.05, 0.07, 0.0))
-    assert found(strip_cut(tool=near, path="edges")) == ()  # 0.09 edges
+    assert found(strip_cut(tool=beside)) == ()  # through the quads
+    assert found(strip_cut(tool=near, path="edges")) == ()  # 0.09 sides of a quad away
 
 
 SIDEWAYS = {
@@ -149,15 +138,16 @@ SIDEWAYS = {
 }
 ACROSS = {"motion": shellcut.StraightMotion((np.sqrt(0.75), 0.5, 0.0), 6000.0), "path": "edges"}
 CLAMPED = [*SIDES, shellcut.Support.clamped("left")]
+WHOLE = rectangle(12.0, 8.0, size=0.8)
+PARTED = WHOLE.cut(WHOLE.nodes_where(lambda x, y, z: abs(y) < 1e-9))  # along the whole path
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         (ACROSS, "no such row"),
-        ({"supports": CLAMPED}, "no supported node may lie on the path"),
-        ({"supports": CLAMPED}, "the first at (0, 0, 0) mm"),
-        ({"notch": 12.0}, "there must be film to cut"),
+        ({"supports": CLAMPED}, "1 supported node on it, the first at (0, 0, 0) mm"),
+        ({"mesh": PARTED}, "or between doubled nodes, from end to end"),
         ({"supports": ()}, "which has no support"),
         (SIDEWAYS, "moves 90° away from where it points"),
     ],
@@ -166,33 +156,6 @@ def test_what_is_on_the_way_is_told(options, said):
     findings = found(strip_cut(**options))
     assert any(said in str(finding) for finding in findings), findings
     assert len(findings) == 1 or options in (ACROSS, SIDEWAYS)
-
-
-def test_doubled_nodes_along_the_path_are_told():
-    whole = rectangle(12.0, 8.0, size=0.8)
-    above = whole.nodes[whole.quads].mean(axis=1)[:, 1:2] > 0.0
-    used, quads = np.unique(whole.quads + whole.n_node * above, return_inverse=True)
-    halves = shellcut.Mesh.from_arrays(
-        whole.nodes[used % whole.n_node],
-        quads.reshape(-1, 4),
-        node_sets={
-            "bottom": np.flatnonzero(np.isin(used, whole.node_set("bottom"))),
-            "top": np.flatnonzero(np.isin(used - whole.n_node, whole.node_set("top"))),
-        },
-    )
-    assert "or between doubled nodes, from end to end" in only(strip_cut(halves))
-
-
-def test_a_second_film_that_nothing_holds_is_told():
-    one = rectangle(12.0, 8.0, size=0.8)
-    both = shellcut.Mesh.from_arrays(
-        np.concatenate([one.nodes, one.nodes + np.array([0.0, 0.0, 1.0])]),
-        np.concatenate([one.quads, one.quads + one.n_node]),
-        node_sets={name: one.node_set(name) for name in ("bottom", "top")},
-    )
-    blade = straight_blade(length=12.0, height=5.0).translated((-0.05, 0.0, 0.5))
-    said = only(strip_cut(both, tool=blade, path="edges"))
-    assert "the piece of 150 quads about (6, 0, 1) mm, which has no support" in said
 
 
 def test_a_ring_driven_backwards_is_told():
@@ -349,6 +312,8 @@ def brittle(length):
 
 def test_a_film_that_tears_on_by_itself_is_doubted():
     assert doubts() == doubts(law=brittle(1.05)) == []
+    over_the_border = found(shellcut.guillotine(0.8, law=brittle(0.95)))
+    assert not any("pierces" in str(one) for one in over_the_border)
     (said,) = doubts(law=brittle(0.95))
     assert "0.205 mm and 0.216 mm" in said
     assert "fracture.puncture_force" in said
@@ -364,17 +329,21 @@ def test_a_film_soft_in_shear_is_doubted():
     assert "strength times thickness is 0.5 of its shear stiffness" in said
 
 
-@pytest.mark.parametrize(("first", "told"), [(17.0, True), (19.0, False)])
-def test_a_film_that_yields_below_its_strength_is_doubted(first, told):
-    film = shellcut.preset_film("pet", hardening={"yield_stress": first})
-    assert any("yields before its strength" in said for said in doubts(material=film)) == told
-
-
-def test_a_film_that_is_stretched_far_before_it_parts_has_no_force():
+def test_a_film_that_yields_before_its_strength_is_doubted(caplog):
+    for first, told in ((17.0, True), (19.0, False)):
+        film = shellcut.preset_film("pet", hardening={"yield_stress": first})
+        assert any("yields before its strength" in said for said in doubts(material=film)) == told
     guess, soft = doubts(material=shellcut.preset_film("ldpe"))
     assert "is a guess" in guess
     assert "holds up to 10 %" in guess
     assert "soft in shear through its thickness" in soft
+    weak = shellcut.preset_film("ldpe", hardening={"yield_stress": 8.0, "modulus": 20.0})
+    case = shellcut.guillotine(0.8, material=weak)
+    check = shellcut.check_model(case.simulation, case.duration)
+    assert [one.severity for one in check.findings] == ["doubt", "note"]
+    assert "a crack needs 18 MPa" in check.findings[0].came
+    check.say()
+    assert "distrust: a film must be able to carry the strength" in caplog.text
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.25, False), (0.5, True)])
@@ -387,12 +356,6 @@ def test_a_film_that_is_tight_is_doubted(share, told):
     assert bool(said) == told
     if told:
         assert f"a tip then needs {np.sqrt(1.0 - share**2):.2g} of the usual force" in said[0]
-
-
-def test_edges_that_come_in_over_the_rim_pierce_nothing():
-    case = shellcut.guillotine(0.8, law=brittle(0.95))
-    said = [str(one) for one in shellcut.check_model(case.simulation, case.duration).findings]
-    assert not any("pierces" in one for one in said)
 
 
 # --- numbers typed in another unit are told, those of the film are not
@@ -431,11 +394,7 @@ IN_METRES = {"opening_a": 500, "opening_p": 3e3, "opening_u": 4e3}
         ({"thickness": 2.0}, "doubt", "thinner than 0.1 of its size"),
         ({"thickness": 0.5}, "doubt", "thickness 0.5 mm and sides of quads of 0.4 mm"),
         ({"thickness": 7.4e-5}, "doubt", "thicker than 0.0001 mm"),  # in m
-        (
-            {"young": 1.678},
-            "refuse",
-            "strength 18 MPa is 10.73 times the film's modulus, 1.678 MPa",
-        ),  # in GPa
+        ({"young": 1.678}, "refuse", "strength 18 MPa is 10.73 times the film's modulus"),  # in GPa
         ({"young": 1.678e9}, "doubt", "young 1.678e+09 MPa"),  # in Pa
         ({"density": 1e-12}, "doubt", "density 1e-12 t/mm³"),  # in t/mm³ by a slip of g/m³
         ({"density": 5e-8}, "doubt", "osmium"),
@@ -465,13 +424,6 @@ def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
     ((level, text),) = of_numbers(sc.ShellMaterial((sc.Layer(material, 0.05),)))
     assert level == severity
     assert said in text
-
-
-def test_what_is_wrong_in_one_layer_of_several_is_told_once():
-    polymer, foil = sc.Elastic(800.0, 0.4, 0.92e-9), sc.Elastic(69e9, 0.33, 2.7e-9)
-    film = sc.ShellMaterial([sc.Layer(foil, 0.005), sc.Layer(polymer, 0.06), sc.Layer(foil, 0.005)])
-    said = [text for _, text in of_numbers(film, tool=None)]
-    assert sum("a modulus should lie" in text for text in said) == 1
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from known_film import moebius_strip
 from shellcut.mesh.structured import annulus
 from shellcut.numerics.consistent_winding import common_winding
 from shellcut.tool.shapes import tooth_ring
@@ -93,19 +94,8 @@ def test_a_flat_triangle_of_a_corner_on_its_longest_side_is_swapped_away(beside)
 
 
 def test_a_moebius_strip_is_a_problem():
-    n = 9
-    low, high = np.arange(n), n + np.arange(n)
-    ends = np.roll(low, -1), np.roll(high, -1)
-    ends[0][-1], ends[1][-1] = high[0], low[0]
-    triangles = np.concatenate(
-        [np.stack([low, ends[0], ends[1]], 1), np.stack([low, ends[1], high], 1)]
-    )
-    angle = 2.0 * np.pi * np.arange(n) / n
-    side = np.stack(
-        [np.cos(angle) * np.cos(angle / 2), np.sin(angle) * np.cos(angle / 2), np.sin(angle / 2)], 1
-    )
-    middle = 5.0 * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], 1)
-    done = repaired(np.concatenate([middle - side, middle + side]), triangles)
+    nodes, quads = moebius_strip(9)
+    done = repaired(nodes, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
     assert "18 triangles around" in done.problems[0]
     assert "one side only" in done.problems[0]
 
