@@ -298,7 +298,7 @@ class TestPresets:
         a, b = read_model(tmp_path / "a.toml"), read_model(tmp_path / "b.toml")
         assert a.sections["material"].made() == b.sections["material"].made() == preset_film("pet")
         (tmp_path / "a.toml").write_text('model = "opening"\nmaterial = "pett"\n')
-        with pytest.raises(ModelFileError, match='a.toml:2: .*must be one of "frangi2010", "ldpe"'):
+        with pytest.raises(ModelFileError, match=r'a.toml:2: .*must be one of "frangi2010", "ld'):
             read_model(tmp_path / "a.toml")
         with pytest.raises(ValueError, match=r"no film 'pett'; did you mean pet\?"):
             preset_film("pett")

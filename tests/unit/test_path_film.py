@@ -121,11 +121,9 @@ def test_a_small_hole_is_round_in_a_coarse_part_of_the_film(gmsh):
     ("given", "words"),
     [
         ({"near": [[0, 0]]}, "near and size_near belong together"),
-        ({"size_near": 0.1}, "near and size_near belong together"),
         ({"near": [[0, 0]], "size_near": 2.0}, "size_near must be at most size, 1 mm, got 2 mm"),
         ({"near": [0, 0], "size_near": 0.1}, r"near must be points of shape \(n, 2\), got"),
         ({"near": [[0, np.inf]], "size_near": 0.1}, "near must be finite"),
-        ({"near": [[0, 0]], "size_near": 0.0}, "size_near must be positive, got 0.0 mm"),
         ({"near": [[0, 0]], "size_near": 1e-6}, "outline and holes must have 50,000 quad sides"),
     ],
 )
@@ -169,17 +167,14 @@ def test_one_film_is_fine_under_the_paths_of_all_tools(gmsh):
     ("given", "words"),
     [
         ({"outline": 0.0}, "the radius must be positive and finite, got 0 mm"),
-        ({"outline": [[0, 0], [1, 0]]}, "outline must be three points or more"),
         ({"outline": 5.0}, "no cutting edge passes through the film during the motion: check"),
-        ({"tool": tooth_ring().translated((0, 0, 40.0))}, "no cutting edge passes through"),
         ({"size": 0.1}, "size must be size_at_path or more, 0.4 mm, got 0.1 mm: enlarge size"),
-        ({"size_at_path": 0.0}, "size_at_path must be positive, got 0.0 mm"),
         ({"holes": [[[0, 0], [30, 0], [0, 30]]]}, "holes must lie inside the outline"),
     ],
 )
 def test_films_that_cannot_be_along_a_path_are_refused(given, words):
     film = {"outline": 11.0, "tool": tooth_ring(), "motion": SCREW, "duration": 2e-3}
-    with pytest.raises(MeshError if "0.0" not in words else ValueError, match=words):
+    with pytest.raises(MeshError, match=words):
         film_along_path(**film | given)
 
 
@@ -199,14 +194,12 @@ class TestModelFile:
         radii = np.hypot(*case.simulation.mesh.nodes[case.simulation.mesh.node_set("rim"), :2].T)
         assert radii == pytest.approx(15.0, rel=1e-5)  # the polygon of 1,024 sides
         assert "hole_1" in case.simulation.mesh.node_sets
+        structured = {"membrane.radius": 15, "tool.radius": 13.4, "membrane.n_side": 18}
+        assert read_model("opening", structured).build().simulation.mesh.n_quad == 468
         square = {"membrane.outline": SQUARE, "membrane.size": 1.5}
         plain = read_model("opening", square).build().simulation.mesh
         alike = mesh_from_outline(SQUARE, size=1.5)
         np.testing.assert_array_equal(plain.nodes, alike.nodes)
-
-    def test_a_structured_disc_of_any_radius(self):
-        disc = {"membrane.radius": 15, "tool.radius": 13.4, "membrane.n_side": 18}
-        assert read_model("opening", disc).build().simulation.mesh.n_quad == 468
 
     @pytest.mark.parametrize(
         ("given", "words"),
@@ -217,11 +210,9 @@ class TestModelFile:
                 {"membrane.radius": 9, "membrane.n_side": 9, "membrane.size": 1},
                 "size is for a disc meshed by Gmsh, but n_side",
             ),
-            ({"membrane.radius": 5}, "no cutting edge passes through the film during the motion"),
             (
                 {"membrane.file": __file__, "membrane.size_at_path": 0.4},
-                r"\[membrane\].size_at_path is for films that Gmsh meshes from an outline; a film "
-                "from a file keeps its mesh: leave it out, or set refine",
+                r"\[membrane\].size_at_path is for films that Gmsh meshes .*leave it out, or set",
             ),
         ],
     )
