@@ -51,6 +51,8 @@ class TestDxf:
         np.testing.assert_allclose(found.outline.max(axis=0), [26, 12], atol=1e-12)
         assert "left out: 2 entities on layer 'dim'" in caplog.text
         assert "the file states the unit mm: the drawing is 26 mm across" in caplog.text
+        with pytest.raises(FileError, match="nothing on the layers fim; layers in use: cut, dim"):
+            read_drawing(tmp_path / "plate.dxf", layers=["fim"])
 
     def test_the_area_converges_with_the_chord_deviation(self, tmp_path):
         path = saved(tmp_path / "plate.dxf", plate())
@@ -63,22 +65,11 @@ class TestDxf:
             np.testing.assert_allclose(radius, 2.0, rtol=3e-4)  # ezdxf: cubics for arcs
         assert misses[0] > misses[1] > misses[2]
 
-    @pytest.mark.parametrize(("units", "mm"), [(1, 25.4), (5, 10.0), (6, 1000.0), (13, 1e-3)])
-    def test_units(self, tmp_path, units, mm, caplog):
-        path = saved(tmp_path / "plate.dxf", plate(units, 1.0 / mm))
-        found = read_drawing(path, layers=["cut"])
-        assert found.area == pytest.approx(AREA, rel=1e-3)
-        assert "converted to mm: the drawing is 26 mm across" in caplog.text
-
-    def test_layers_that_are_not_there(self, tmp_path):
-        path = saved(tmp_path / "plate.dxf", plate())
-        with pytest.raises(FileError, match="nothing on the layers fim; layers in use: cut, dim"):
-            read_drawing(path, layers=["fim"])
-
-    def test_no_unit_is_guessed_or_must_be_given(self, tmp_path, caplog):
-        path = saved(tmp_path / "plate.dxf", plate(0))
-        assert read_drawing(path, layers=["cut"]).area == pytest.approx(AREA, rel=1e-3)
-        assert "no unit given: taken as mm" in caplog.text
+    def test_a_stated_unit_is_applied_and_none_must_be_given(self, tmp_path, caplog):
+        for units, mm in ((1, 25.4), (5, 10.0), (6, 1000.0), (13, 1e-3)):
+            path = saved(tmp_path / "plate.dxf", plate(units, 1.0 / mm))
+            assert read_drawing(path, layers=["cut"]).area == pytest.approx(AREA, rel=1e-3)
+            assert "converted to mm: the drawing is 26 mm across" in caplog.messages[-1]
         path = saved(tmp_path / "small.dxf", plate(0, 1 / 25.4))
         with pytest.raises(FileError, match="unit must be given, because the drawing is 1"):
             read_drawing(path, layers=["cut"])

@@ -143,24 +143,26 @@ VARIED = {
 FILMS = {kind for layout in SECTIONS.values() for kind in layout["material"]} - {LAMINATE}
 
 
+# The next tests vary these.
+ELSEWHERE_VARIED = {"hardening", "rate", "layers", "n_x", "n_y", "quads"}
+
+
 def cases():
+    """Every key of each kind in one model; in other models that have the kind, its first key."""
+    seen = set()
     for layout in (SECTIONS, LISTS):
         for model, sections in layout.items():
             for title, kinds in sections.items():
                 for kind in kinds:
-                    for key in kind.keys:
-                        # the films of the tears have the keys of the others
-                        if kind is not HOMOGENEOUS and kind in FILMS and key in BESIDE:
-                            continue
-                        if kind is HOMOGENEOUS and key in BESIDE and model != "opening":
-                            continue
-                        # the next tests, and of presets test_material_keys.py
-                        skipped = ["hardening", "rate", "layers", "n_x", "n_y", "quads"]
-                        if key not in [*skipped, *(["preset"] if kind is LAMINATE else [])]:
-                            name = f"{kind.name}-{key}" if kind.name else key
-                            yield pytest.param(
-                                model, title, kind, key, id=f"{model}-{title}-{name}"
-                            )
+                    keys = [key for key in kind.keys if key not in ELSEWHERE_VARIED]
+                    if kind is LAMINATE:
+                        keys.remove("preset")  # test_material_keys.py
+                    elif kind in FILMS and kind is not HOMOGENEOUS:
+                        keys = [key for key in keys if key not in BESIDE]  # those of HOMOGENEOUS
+                    for key in keys[:1] if kind in seen else keys:
+                        name = f"{model}-{title}-{kind.name}-{key}"
+                        yield pytest.param(model, title, kind, key, id=name)
+                    seen.add(kind)
     for model in SECTIONS:
         for key in ("name", "directional", "threads"):
             yield pytest.param(model, "", HEAD, key, id=f"{model}-{key}")
