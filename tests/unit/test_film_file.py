@@ -49,10 +49,6 @@ MIXED = {  # the last quad as two triangles
 
 
 class TestTriangles:
-    def test_are_refused_with_their_count_and_ids(self, tmp_path):
-        with pytest.raises(FileError, match=r"got 2 triangles beside 9 quads \(ids 9, 10\)"):
-            read_film(written(tmp_path, MIXED), unit="mm")
-
     def test_are_split_by_choice(self, tmp_path, caplog):
         part = [np.zeros(9, np.int32), np.array([1, 1], np.int32)]
         left = np.isin(np.arange(18), LEFT).astype(np.int32)
@@ -73,15 +69,6 @@ class TestTriangles:
         mesh = read_film(path, unit="mm", triangles="split")
         assert len(mesh.node_set("left")) == 5
         assert not mesh.quad_sets
-
-
-def test_quads_against_their_neighbours_are_turned(tmp_path, caplog):
-    quads = QUADS.copy()
-    quads[[1, 4, 5]] = quads[[1, 4, 5]][:, ::-1]
-    mesh = read_film(written(tmp_path, {"quad": quads}), unit="mm")
-    check_geometry(mesh)
-    assert (mesh.directors[:, 2] == 1.0).all()
-    assert "3 of 10 quads are turned over" in caplog.text
 
 
 def test_a_good_file_with_its_unit_says_nothing(tmp_path, caplog):

@@ -102,7 +102,7 @@ def test_other_cells_are_refused_by_name_or_left_out_by_choice(tmp_path, caplog)
     path.write_text(text)
     with pytest.raises(FileError, match=r"1 cells of kind 'tetrahedron' \(ids 77\)"):
         read_film(path)
-    check_film(read_film(path, unit="mm", leave_out=["tetrahedron"]))
+    check_film(read_film(path, unit="mm", leave_out=["Tetrahedron"]))
     assert "1 cells of kind 'tetrahedron' are left out, as chosen" in caplog.text
 
 
