@@ -175,10 +175,7 @@ def test_closed_cylinders_have_two_rims_and_are_not_too_coarse():
         (lambda: disc(1.0, n_side=4, ring_radii=[1.2]), r"within the radius 1, got \[1.2\]"),
         (lambda: disc(1.0, n_side=4, ring_radii=[0.5, np.nan]), "above 0"),
         (lambda: disc(1.0, n_side=4, ring_radii=[0.5, 0.7]), r"decrease.*got \[0.5, 0.7\]; sort"),
-        (
-            lambda: disc(1.0, n_side=4, n_layer=1, ring_radii=[0.8]),
-            "n_layer must exceed the 1",
-        ),
+        (lambda: disc(1.0, n_side=4, n_layer=1, ring_radii=[0.8]), "n_layer must exceed the 1"),
         (lambda: annulus(2.0, 1.0, n_around=8, n_radial=1), "below r_outer, got 2 and 1"),
     ],
 )

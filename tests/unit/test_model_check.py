@@ -416,10 +416,7 @@ def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
 
 @pytest.mark.parametrize(
     ("unit", "said"),
-    [
-        ("um", "between them nothing resists the tooth"),
-        ("m", "of similar size, got a tool of 67"),
-    ],
+    [("um", "between them nothing resists the tooth"), ("m", "of similar size, got a tool of 67")],
 )
 def test_a_tool_of_another_scale(tmp_path, unit, said):
     BLADE.write(tmp_path / "blade.stl")

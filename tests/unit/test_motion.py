@@ -264,17 +264,11 @@ LINE, TURNS = np.zeros((3, 3)), [[0, 0, 0], [0, 0, 1], [0, 3, 0]]
 @pytest.mark.parametrize(
     ("build", "message"),
     [
-        (
-            lambda: ScrewMotion(1.0, axis=(0.0, 0.0, 0.0)),
-            "axis must not be zero: it is a dir",
-        ),
+        (lambda: ScrewMotion(1.0, axis=(0.0, 0.0, 0.0)), "axis must not be zero: it is a dir"),
         (lambda: ScrewMotion(1.0, advance=(0.0, 0.0, 0.0)), "advance must not be zero"),
         (lambda: ScrewMotion(1.0, axis_point=(0.0, np.nan, 0.0)), "must be three finite numbers"),
         (lambda: StraightMotion((0.0, 0.0, 0.0), speed=1.0), "direction must not be zero"),
-        (
-            lambda: TableMotion([0.0], LINE[:1]),
-            r"times must have shape \(n_time,\) with at least",
-        ),
+        (lambda: TableMotion([0.0], LINE[:1]), r"times must have shape \(n_time,\) with at least"),
         (lambda: TableMotion([0, 1, 1], LINE), "times must increase, entry 2 is 1 after 1 s"),
         (lambda: TableMotion([0, 1], LINE), r"translations must have shape \(2, 3\), got \(3, 3\)"),
         (lambda: TableMotion([0, 1], LINE[:2], np.zeros((2, 4))), r"vectors must have shape \(2"),
@@ -321,10 +315,7 @@ def test_headings_units_separators_and_decimal_commas(tmp_path, text):
     ("text", "words"),
     [
         ("# nothing\n", "a line of headings"),
-        (
-            "time [s],w [mm]\n0,0\n",
-            "'name [unit]' of time, x, y, z, angle, rx, ry, rz, got",
-        ),
+        ("time [s],w [mm]\n0,0\n", "'name [unit]' of time, x, y, z, angle, rx, ry, rz, got"),
         ("time [h]\n0\n", "time must be a unit of time (ns, us, ms, s, min), got 'h'"),
         ("time [s],time [ms]\n0,0\n", "each column must occur once, got time again"),
         ("x [mm]\n0\n", "there must be a column time"),
