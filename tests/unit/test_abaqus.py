@@ -20,21 +20,18 @@ from known_film import (
 )
 from shellcut.formats.budget import LIMITS
 
+NODE_LINES = [
+    f"{i}, {x:.9g}, {y:.9g}, {z:.9g}\n" for i, (x, y, z) in zip(NODE_ID, NODES, strict=True)
+]
+ALL_NODES = "".join(NODE_LINES)
 
-def nodes(scale=1.0, shift=(0.0, 0.0, 0.0)):
-    xyz = scale * NODES + shift
-    return "".join(
-        f"{i}, {x:.9g}, {y:.9g}, {z:.9g}\n" for i, (x, y, z) in zip(NODE_ID, xyz, strict=True)
-    )
+
+def ids(values):
+    return f"{', '.join(map(str, values))}\n"
 
 
 def quads(members=range(10)):
     return "".join(f"{QUAD_ID[e]}, {', '.join(map(str, NODE_ID[QUADS[e]]))}\n" for e in members)
-
-
-def ids(values, a_line=4):
-    values = [str(v) for v in values]
-    return "".join(", ".join(values[k : k + a_line]) + "\n" for k in range(0, len(values), a_line))
 
 
 LEFT_IDS, RIGHT_IDS = NODE_ID[LEFT], QUAD_ID[RIGHT_PART]
@@ -42,7 +39,7 @@ FLAT = f"""*HEADING
 A film
 ** a comment, with, commas
 *NODE
-{nodes()}*ELEMENT, TYPE=S4R, ELSET=film
+{ALL_NODES}*ELEMENT, TYPE=S4R, ELSET=film
 {quads()}*NSET, NSET=left
 {ids(LEFT_IDS)}*ELSET, ELSET="right part"
 {ids(RIGHT_IDS)}*MATERIAL, NAME=PE
@@ -71,23 +68,18 @@ class TestFlatDeck:
         text = FLAT.replace(f"{NODE_ID[5]}, 5, 0, 0", f"{NODE_ID[5]}, 0.5D+01, 0.e0")
         assert text != FLAT
         check_film(film(tmp_path, text))
-        a, b, c, d = NODE_ID[QUADS[0]]
-        whole = f"{QUAD_ID[0]}, {a}, {b}, {c}, {d}\n"
+        whole = quads([0])
         assert whole in FLAT
-        check_film(film(tmp_path, FLAT.replace(whole, f"{QUAD_ID[0]}, {a}, {b},\n {c}, {d}\n")))
+        in_two_lines = ",\n".join(whole.rsplit(", ", 2)[:2]) + f", {whole.rsplit(', ', 1)[1]}"
+        check_film(film(tmp_path, FLAT.replace(whole, in_two_lines)))
 
     def test_sets_named_on_node_and_element(self, tmp_path):
         right = [e for e in range(10) if e in RIGHT_PART]
         other = [e for e in range(10) if e not in RIGHT_PART]
-        at = [f"{line}\n" for line in nodes().splitlines()]
-        left = "".join(at[k] for k in LEFT)
-        rest = "".join(line for k, line in enumerate(at) if k not in LEFT)
-        mesh = film(
-            tmp_path,
-            f"*NODE, NSET=left\n{left}*NODE\n{rest}*ELEMENT, TYPE=S4, ELSET=right part\n"
-            f"{quads(right)}*ELEMENT, TYPE=S4R\n{quads(other)}",
-        )
-        check_film(mesh)
+        left = "".join(NODE_LINES[k] for k in LEFT)
+        rest = "".join(line for k, line in enumerate(NODE_LINES) if k not in LEFT)
+        text = f"*NODE, NSET=left\n{left}*NODE\n{rest}*ELEMENT, TYPE=S4, ELSET=right part\n"
+        check_film(film(tmp_path, f"{text}{quads(right)}*ELEMENT, TYPE=S4R\n{quads(other)}"))
 
     def test_sets_of_sets_sets_in_parts_and_nodes_of_elements(self, tmp_path):
         text = FLAT + (
@@ -112,29 +104,25 @@ class TestFlatDeck:
         (tmp_path / "sub" / "mesh.inp").write_text(
             f"*NODE, INPUT=nodes.txt\n*ELEMENT, TYPE=S4\n{quads()}"
         )
-        (tmp_path / "sub" / "nodes.txt").write_text("** only data\n" + nodes())
+        (tmp_path / "sub" / "nodes.txt").write_text("** only data\n" + ALL_NODES)
         sets = FLAT[FLAT.index("*NSET") : FLAT.index("*MATERIAL")]
         check_film(film(tmp_path, f"*INCLUDE, INPUT=sub/mesh.inp\n{sets}"))
 
 
 class TestPartsAndInstances:
-    PART = f"*PART, NAME=Sheet\n*NODE\n{nodes()}*ELEMENT, TYPE=S4R\n{quads()}*NSET, NSET=left\n"
+    PART = f"*PART, NAME=Sheet\n*NODE\n{ALL_NODES}*ELEMENT, TYPE=S4R\n{quads()}*NSET, NSET=left\n"
     PART += f"{ids(LEFT_IDS)}*ELSET, ELSET=right part\n{ids(RIGHT_IDS)}*END PART\n"
 
-    def test_one_instance_where_the_part_is(self, tmp_path):
+    def test_a_part_alone_and_one_instance_where_the_part_is(self, tmp_path):
+        check_film(film(tmp_path, self.PART))
         text = self.PART + "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=s-1, PART=SHEET\n*END INSTANCE\n"
-        text += (
-            f"*NSET, NSET=corner, INSTANCE=S-1\n{NODE_ID[0]}\n*NSET, NSET=far\ns-1.{NODE_ID[17]}\n"
-        )
-        text += "*NSET, NSET=again\ns-1.left\n*END ASSEMBLY\n"
+        text += f"*NSET, NSET=corner, INSTANCE=S-1\n{NODE_ID[0]}\n"
+        text += f"*NSET, NSET=far\ns-1.{NODE_ID[17]}\n*NSET, NSET=again\ns-1.left\n*END ASSEMBLY\n"
         mesh = film(tmp_path, text)
         row = check_film(mesh)
         assert mesh.node_set("corner").tolist() == [row[0]]
         assert mesh.node_set("far").tolist() == [row[17]]
         assert set(mesh.node_set("again")) == set(row[LEFT])
-
-    def test_a_part_alone(self, tmp_path):
-        check_film(film(tmp_path, self.PART))
 
     def test_an_instance_is_moved_then_turned(self, tmp_path):
         # a quarter turn about the line through (10, 0, 0) along z, after a shift of (1, 2, 3)
@@ -142,9 +130,8 @@ class TestPartsAndInstances:
         text += "10., 0., 0., 10., 0., 1., 90.\n*END INSTANCE\n*END ASSEMBLY\n"
         mesh = film(tmp_path, text)
         x, y, z = (NODES + np.array([1.0, 2.0, 3.0])).T
-        np.testing.assert_allclose(
-            mesh.nodes, np.stack([10.0 - y, x - 10.0, z], axis=1), rtol=0, atol=1e-14
-        )  # round-off
+        turned = np.stack([10.0 - y, x - 10.0, z], axis=1)
+        np.testing.assert_allclose(mesh.nodes, turned, rtol=0, atol=1e-14)  # round-off
 
     def test_two_instances_keep_their_sets_apart_and_merge_by_choice(self, tmp_path, caplog):
         text = self.PART + "*ASSEMBLY, NAME=a\n*INSTANCE, NAME=one, PART=Sheet\n*END INSTANCE\n"
@@ -169,7 +156,7 @@ def test_lines_become_node_sets_and_doubled_sets_are_read_once(tmp_path):
     double = "".join(f"*NSET, NSET=s{k + 1}\ns{k}, s{k}\n" for k in range(40))
     mesh = film(tmp_path, FLAT + f"*NSET, NSET=s0\n{NODE_ID[0]}\n{double}")
     assert mesh.node_set("s40").tolist() == mesh.node_set("s0").tolist()
-    check_film(film(tmp_path, FLAT + "*NODE, NSET=again\n" + nodes().splitlines()[3] + "\n"))
+    check_film(film(tmp_path, FLAT + "*NODE, NSET=again\n" + NODE_LINES[3]))
 
 
 def test_nodes_of_no_quad_are_said(tmp_path, caplog):

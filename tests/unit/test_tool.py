@@ -28,6 +28,12 @@ def joined(*parts):
     return np.concatenate(vertices), np.concatenate(triangles)
 
 
+def with_tips(angle):
+    """Points of the unit circle, and one above and one below its middle."""
+    rim = np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    return np.concatenate([rim, [[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]])
+
+
 def refusal(*args, **kwargs):
     with pytest.raises(ToolError) as caught:
         Tool.from_triangles(*args, **kwargs)
@@ -63,9 +69,7 @@ class TestCuttingEdge:
         assert abs(b @ back) < 1e-15
 
     def test_given_segments_are_chained_and_keep_the_first_direction(self):
-        angle = np.radians([0.0, 10.0, 20.0, 30.0])
-        rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(4)])
-        vertices = np.concatenate([rim, [[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]])
+        vertices = with_tips(np.radians([0.0, 10.0, 20.0, 30.0]))
         fan = [(i, i + 1, 4) for i in range(3)] + [(i + 1, i, 5) for i in range(3)]
         triangles = [*fan, (3, 5, 4), (0, 4, 5)]
         tool = Tool.from_triangles(vertices, triangles, edges=[(2, 1), (0, 1), (3, 2)])
@@ -76,9 +80,7 @@ class TestCuttingEdge:
 
     def test_disc_knife_has_one_closed_chain_and_two_flanks(self):
         n = 24
-        angle = 2.0 * np.pi * np.arange(n) / n
-        rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(n)])
-        vertices = np.concatenate([rim, [[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]])
+        vertices = with_tips(2.0 * np.pi * np.arange(n) / n)
         triangles = [(i, (i + 1) % n, n) for i in range(n)]
         triangles += [((i + 1) % n, i, n + 1) for i in range(n)]
         tool = Tool.from_triangles(vertices, triangles)
@@ -191,8 +193,7 @@ class TestRefusals:
         fin = np.concatenate([vertices, [[1.0, 0.0, 1.0]]])
         message = refusal(fin, np.concatenate([triangles, [(0, 3, 6)]]))
         assert "1 non-manifold edge (more than two triangles meet): (0, 0, 0) to (" in message
-        low, high = wedge(), wedge(at=(1.0, np.tan(HALF_ANGLE), 2.0))
-        message = refusal(*joined(low, high))
+        message = refusal(*joined(wedge(), wedge(at=(1.0, np.tan(HALF_ANGLE), 2.0))))
         assert "1 non-manifold vertex" in message
         assert "move them apart: (0, 0, 2)" in message
         triangles[0] = triangles[0, ::-1]
