@@ -201,6 +201,7 @@ class TestRefusals:
             unfolding(document.modelspace(), document, rows=rows)
             with pytest.raises(FileError, match=f"500 elements drawn at most, got {got}: choose"):
                 read_drawing(saved(tmp_path / "a.dxf", document))
+        document = ezdxf.new(units=4)
         document.blocks.new("b").add_blockref("b", (1, 0))
         document.modelspace().add_blockref("b", (0, 0))
         with pytest.raises(FileError, match="blocks must nest to 50 levels at most"):

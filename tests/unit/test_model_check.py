@@ -414,6 +414,12 @@ def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
     assert said in text
 
 
+def test_what_is_wrong_in_several_layers_is_told_once():
+    foil = sc.Layer(sc.Elastic(69e9, 0.33, 2.7e-9), 0.005)  # young in Pa
+    film = sc.ShellMaterial([foil, sc.Layer(sc.Elastic(800.0, 0.4, 0.92e-9), 0.06), foil])
+    assert sum("a modulus should lie" in text for _, text in of_numbers(film, tool=None)) == 1
+
+
 @pytest.mark.parametrize(
     ("unit", "said"),
     [("um", "between them nothing resists the tooth"), ("m", "of similar size, got a tool of 67")],
