@@ -355,7 +355,7 @@ def test_no_damage_is_read_as_other_numbers(tmp_path):
     write(path, [opening_frame(angle, n_side=46, time=1e-3 * angle) for angle in (20.0, 40.0)])
     content, right = path.read_bytes(), numbers(VtkHdfReader(path))
     refused = 0
-    for _ in range(80):
+    for _ in range(40):
         damaged, way = mutated(rng, content, text=False)
         path.write_bytes(damaged)
         try:
@@ -365,7 +365,7 @@ def test_no_damage_is_read_as_other_numbers(tmp_path):
             continue
         other = [name for name, value in found.items() if value != right.get(name)]
         assert (other, len(found)) == ([], len(right)), way
-    assert refused > 30  # the rest hits what is not read: filling, names and links for VTK
+    assert refused > 15  # the rest hits what is not read: filling, names and links for VTK
 
 
 def other_unit(file):
