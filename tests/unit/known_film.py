@@ -5,6 +5,10 @@ sets "film" (all) and "right part" (x > 3).
 """
 
 import numpy as np
+import pytest
+
+from shellcut.formats.errors import FileError
+from shellcut.mesh.film_file import read_film
 
 GRID = np.arange(18).reshape(3, 6)  # [y, x]
 NODES = np.array([[float(i % 6), float(i // 6), 0.0] for i in range(18)])
@@ -44,3 +48,36 @@ def check_film(mesh, scale=1.0, left="left", right_part="right part"):
     right = {frozenset(q) for q in mesh.quads[mesh.quad_set(right_part)].tolist()}
     assert right == {frozenset(q) for q in row[QUADS[RIGHT_PART]].tolist()}
     return row
+
+
+def film_of_text(path, text, **options):
+    path.write_text(text)
+    return read_film(path, **{"unit": "mm", **options})
+
+
+def refusal_of_text(path, text, **options):
+    with pytest.raises(FileError) as caught:
+        film_of_text(path, text, **options)
+    return str(caught.value)
+
+
+def moebius_strip(n):
+    """Nodes and quads of a strip of n quads with one side."""
+    angle = 2.0 * np.pi * np.arange(n) / n
+    out = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    side = 0.5 * (np.cos(angle / 2)[:, None] * out + np.sin(angle / 2)[:, None] * [0.0, 0.0, 1.0])
+    low, high = np.arange(n), n + np.arange(n)
+    low_end, high_end = np.append(low[1:], high[0]), np.append(high[1:], low[0])
+    nodes = np.concatenate([5.0 * out - side, 5.0 * out + side])
+    return nodes, np.stack([low, low_end, high_end, high], axis=1)
+
+
+def write_deck(path, mesh):
+    """Write a mesh and its sets as an Abaqus deck."""
+    lines = ["*NODE", *(f"{k}, {x}, {y}, {z}" for k, (x, y, z) in enumerate(mesh.nodes, 1))]
+    lines.append("*ELEMENT, TYPE=S4R")
+    lines += [f"{k}, {', '.join(map(str, quad + 1))}" for k, quad in enumerate(mesh.quads, 1)]
+    for kind, sets in (("NSET", mesh.node_sets), ("ELSET", mesh.quad_sets)):
+        for name, ids in sets.items():
+            lines += [f"*{kind}, {kind}={name}", *(f"{n + 1}," for n in ids)]
+    path.write_text("\n".join(lines) + "\n")

@@ -36,19 +36,15 @@ def test_flags_of_iges(flag, length):
             cad_surface.stated_unit(Path("a.igs"), content)
 
 
-@pytest.mark.parametrize("unit", list(MILLIMETRES))
-def test_a_given_unit_is_taken_whatever_the_size(unit):
-    assert unit_in_mm(unit, 1e9, "the film") == (MILLIMETRES[unit], "")
-
-
-@pytest.mark.parametrize(
-    ("extent", "factor", "words"),
-    [(20.4, 1.0, "taken as mm"), (0.0204, 1000.0, "taken as m, the film is 20.4 mm")],
-)
-def test_a_safe_guess_is_said(extent, factor, words):
-    found, note = unit_in_mm(None, extent, "the film")
-    assert found == factor
-    assert words in note
+def test_a_unit_is_given_stated_or_safely_guessed():
+    for unit, factor in MILLIMETRES.items():
+        assert unit_in_mm(unit, 1e9, "the film") == (factor, "")
+    note = "the file states the unit cm, converted to mm: the tool is 20 mm across"
+    assert unit_in_mm(None, 2.0, "the tool", stated=10.0) == (10.0, note)
+    assert unit_in_mm(None, 20.4, "the film")[0] == 1.0
+    factor, note = unit_in_mm(None, 0.0204, "the film")
+    assert factor == 1000.0
+    assert "taken as m, the film is 20.4 mm" in note
 
 
 @pytest.mark.parametrize("extent", [0.803, 20400.0, 1e-5, 0.0])
@@ -59,23 +55,10 @@ def test_what_may_be_several_units_must_be_given(extent):
         unit_in_mm("feet", 1.0, "the film")
 
 
-def test_a_stated_unit_is_in_the_note():
-    assert unit_in_mm(None, 2.0, "the tool", stated=10.0) == (
-        10.0,
-        "the file states the unit cm, converted to mm: the tool is 20 mm across",
-    )
-
-
 def test_a_missing_gmsh_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
     with pytest.raises(ImportError, match=r"needs Gmsh.* pip install 'shellcut-fem\[mesh\]'"):
         read_tool(DATA / "two_teeth_inch.step")
-
-
-@pytest.mark.parametrize("name", ["two_teeth_inch.step", "two_teeth_inch.iges"])
-def test_another_program_states_inches(name):
-    path = DATA / name
-    assert cad_surface.stated_unit(path, path.read_bytes()) == [25.4]
 
 
 def step(*units, used="#1"):

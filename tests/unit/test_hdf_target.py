@@ -52,7 +52,7 @@ def fill_up_to_many_sizes(folder):
     """Run in a process of its own, which HDF5 would end."""
     wanted = frames(12)
     counts = []
-    for size in range(40_000, 290_000, 24_000):
+    for size in range(40_000, 290_000, 48_000):
         path = Path(folder) / f"{size}.vtkhdf"
         with files_of_at_most(size):
             n = fill(path, wanted)

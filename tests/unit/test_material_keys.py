@@ -26,6 +26,7 @@ from shellcut.model_file.material_keys import presets
 
 MODULI = Elastic(1678.0, 0.3, 1e-9)
 YIELDS = {"hardening.yield_stress": 20}
+AXES = {"young_across": 900.0, "shear": "400 MPa"}
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
@@ -42,28 +43,17 @@ def material(**keys):
         ({}, MODULI),
         ({"law": "elastic"}, MODULI),
         ({"law": "hencky"}, Hencky(MODULI)),
+        (AXES, Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9)),
         (
-            {"young_across": 900.0, "shear": "400 MPa"},
-            Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9),
-        ),
-        (
-            {"young_across": 900.0, "shear": 400.0, "law": "hencky", "angle_deg": 30.0},
+            {**AXES, "law": "hencky", "angle_deg": 30.0},
             Hencky(Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9, angle_deg=30.0)),
         ),
         (
-            {
-                "young_across": 900.0,
-                "shear": 400.0,
-                "shear_through": 300,
-                "shear_through_across": 200,
-            },
+            {**AXES, "shear_through": 300, "shear_through_across": 200},
             Orthotropic(1678.0, 900.0, 0.3, 400.0, 1e-9, 300.0, shear_through_across=200.0),
         ),
-        ({"hardening.yield_stress": "20 MPa"}, Plastic(MODULI, Linear(20.0))),
-        (
-            {"law": "plastic", "hardening": {"yield_stress": 20, "modulus": "5 MPa"}},
-            Plastic(MODULI, Linear(20.0, 5.0)),
-        ),
+        ({**YIELDS, "law": "plastic"}, Plastic(MODULI, Linear(20.0))),
+        ({**YIELDS, "hardening.modulus": "5 MPa"}, Plastic(MODULI, Linear(20.0, 5.0))),
         (
             {"hardening": {"kind": "voce", "yield_stress": 20, "gain": 8, "strain": 0.1}},
             Plastic(MODULI, Voce(20.0, 8.0, 0.1)),
@@ -98,51 +88,23 @@ def test_what_keys_build(keys, wanted):
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
-        (
-            {"hardening.yield_stress": -1},
-            "set material.hardening.yield_stress=-1: [material.hardening].yield_stress must be pos",
-        ),
-        ({"law": "elastic", "r_values": [1, 1, 1]}, 'r_values belongs to law = "plastic", got law'),
-        (
-            {"r_values": [1, 1, 1]},
-            'r_values belongs to law = "plastic", got no hardening: give one',
-        ),
+        ({"hardening.yield_stress": -1}, "[material.hardening].yield_stress must be positive"),
+        ({"r_values": [1, 1, 1]}, 'belongs to law = "plastic", got no hardening: give one'),
         ({"law": "hencky", **YIELDS}, 'hardening belongs to law = "plastic", got law = "hencky"'),
         ({"law": "plastic"}, 'law = "plastic" needs a hardening: a table [material.hardening]'),
         ({"law": "elastc"}, 'must be one of "elastic", "hencky", "plastic"'),
         ({"hardening.yield_stres": 3}, "[material.hardening].kind must be given: one of voce, lin"),
-        (
-            {**YIELDS, "hardening.modulos": 3},
-            "unknown key [material.hardening].modulos; did you mean modulus?",
-        ),
-        ({"hardning.yield_stress": 3}, "unknown key [material].hardning; did you mean hardening?"),
+        ({**YIELDS, "hardening.modulos": 3}, "[material.hardening].modulos; did you mean modulus?"),
         ({"hardening": "voce"}, "[material].hardening must be a table, got 'voce'"),
         ({"hardening.kind": "vocee"}, "[material.hardening].kind 'vocee' is unknown; did you mean"),
         ({**YIELDS, "kinematic_modulus": 9}, "unknown key [material].kinematic_modulus"),
-        (
-            {"hardening.exponent": 0.3},
-            "[material.hardening].start must be given: start of Swift's law",
-        ),
-        (
-            {**YIELDS, "hardening.strength": 3},
-            'key [material.hardening].strength belongs to kind = "swift", not to kind = "linear',
-        ),
-        (
-            {"hardening": {"plastic_strain": [0, 1], "stress": [3, 2]}},
-            "[material.hardening]: stress must not decrease",
-        ),
+        ({"hardening.exponent": 0.3}, "[material.hardening].start must be given: start of Swift's"),
+        ({**YIELDS, "hardening.strength": 3}, 'strength belongs to kind = "swift", not to kind ='),
         ({"hardening.plastic_strain": [0, 1]}, "[material.hardening].stress must be given: true"),
-        ({"hardening.gain": 3, **YIELDS}, "[material.hardening].strain must be given: Voce: str"),
         ({**YIELDS, "r_values": [1, 1, -1]}, "r_values must be three positive numbers"),
-        (
-            {**YIELDS, "rate": {"exponent": 4, "factor": 1}},
-            "[material.rate].factor and [material.rate].exponent exclude each other: leave out",
-        ),
+        ({**YIELDS, "rate": {"exponent": 4, "factor": 1}}, "[material.rate].exponent exclude each"),
         ({"rate": {"exponent": 4, "rate": 4}}, 'rate belongs to law = "plastic", got no hardening'),
-        (
-            {"yield_stress": 3},
-            "yield_stress; write yield_stress in [material.hardening], where kind is linear or v",
-        ),
+        ({"yield_stress": 3}, "in [material.hardening], where kind is linear or voce"),
         ({"swift_start": 3}, "write start in [material.hardening], where kind is swift"),
         ({"johnson_cook_rate": 3}, "write rate in [material.rate], where kind is johnson_cook"),
         ({"young_across": 900.0}, "young_across needs shear too"),
@@ -174,7 +136,6 @@ def test_a_table_from_a_file(tmp_path):
     (tmp_path / "film.csv").write_text(HARDENING)
     (tmp_path / "a.toml").write_text(
         'model = "opening"\n[material]\nyoung = 200\n[material.hardening]\nfile = "film.csv"\n'
-        '[[loads]]\nkind = "pressure"\nvalue = 0.01\n'
     )
     model = read_model(tmp_path / "a.toml")
     (layer,) = model.sections["material"].made().layers
@@ -208,12 +169,8 @@ def test_the_file_of_a_layer_is_recorded_too(tmp_path):
     ("text", "said"),
     [
         ("a [-],b [MPa]\n0,1\n1,2\n", "one heading must name the strain"),
-        ("strain [-],stress [mm]\n0,1\n1,2\n", "stress must"),
         ("total strain [-],eng. stress [MPa]\n0,1\n1,2\n", "true stresses, got 'total strain [-]'"),
-        (
-            "strain [s],stress [MPa]\n0,1\n1,2\n",
-            "strain must be a unit of ratio (-, %, um/m), got 's'",
-        ),
+        ("strain [s],stress [MPa]\n0,1\n1,2\n", "strain must be a unit of ratio (-, %, um/m)"),
         ("strain [-],stress [MPa]\n0.1,1\n1,2\n", "plastic_strain must start at 0"),
         ("strain [-],stress [MPa]\n0,3\n1,2\n", "stress must not decrease"),
     ],
@@ -323,15 +280,9 @@ class TestPresets:
         assert film.thickness == pytest.approx(0.074)
 
     @pytest.mark.parametrize("model", ["opening", "guillotine", "trouser", "oscillating", "free"])
-    def test_every_model_takes_one(self, model, tmp_path):
-        path = tmp_path / "free.toml"
-        path.write_text(
-            'model = "free"\n[membrane]\nmesh = "quick"\n'
-            "[motion]\nangle_deg = 5\nduration = 0.001\n"
-        )
+    def test_every_model_takes_one(self, model):
         film = {"material": "pet", "material.thickness": "12 um"}
-        found = read_model(path if model == "free" else model, film)
-        made = found.sections["material"].made()
+        made = read_model(model, film).sections["material"].made()
         assert made.thickness == 0.012
         assert made.layers[0].material == preset_film("pet").layers[0].material
 
@@ -346,12 +297,8 @@ class TestPresets:
         (tmp_path / "b.toml").write_text('model = "opening"\n[material]\npreset = "pet"\n')
         a, b = read_model(tmp_path / "a.toml"), read_model(tmp_path / "b.toml")
         assert a.sections["material"].made() == b.sections["material"].made() == preset_film("pet")
-
-    def test_an_unknown_name_is_refused(self, tmp_path):
-        with pytest.raises(ModelFileError, match='must be one of "frangi2010", "ldpe", "pet"'):
-            read_model("opening", {"material": "pett"})
         (tmp_path / "a.toml").write_text('model = "opening"\nmaterial = "pett"\n')
-        with pytest.raises(ModelFileError, match=r"a.toml:2: .*preset must be one of"):
+        with pytest.raises(ModelFileError, match=r'a.toml:2: .*must be one of "frangi2010", "ld'):
             read_model(tmp_path / "a.toml")
         with pytest.raises(ValueError, match=r"no film 'pett'; did you mean pet\?"):
             preset_film("pett")

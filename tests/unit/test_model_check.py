@@ -22,12 +22,21 @@ SIDES = (shellcut.Support.clamped("bottom"), shellcut.Support.clamped("top"))
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
+def blade_at(y):
+    return straight_blade(length=12.0, height=3.0).translated((-0.05, y, 0.0))
+
+
+def zone(sides):
+    """A law whose last opening is a number of sides of the strip's quads."""
+    length = 0.8 * sides
+    return CohesiveLaw(opening_a=0.125 * length, opening_p=0.75 * length, opening_u=length)
+
+
 def strip_cut(mesh=None, *, tool=None, motion=None, supports=SIDES, path=None, **options):
     """A blade that comes in over the end of a strip of 12 by 8 mm, on y = 0, by 10 mm."""
-    blade = tool or straight_blade(length=12.0, height=3.0).translated((-0.05, 0.0, 0.0))
     return free_cut(
         mesh or rectangle(12.0, 8.0, size=0.8),
-        tool=blade,
+        tool=tool or blade_at(0.0),
         motion=motion or shellcut.StraightMotion((1.0, 0.0, 0.0), 6000.0, ramp=1e-4),
         duration=10.0 / 6000.0,
         supports=supports,
@@ -59,21 +68,14 @@ def only(case, severity="doubt"):
         lambda: shellcut.guillotine(0.4),
         strip_cut,
         lambda: strip_cut(path="edges"),
+        lambda: strip_cut(tool=blade_at(0.07), path="edges"),  # 0.09 sides of a quad away
+        lambda: strip_cut(tool=blade_at(0.2)),  # through the quads
         lambda: strip_cut(notch=4.0),
+        lambda: strip_cut(law=zone(2.06)),
     ],
 )
 def test_what_is_in_order_is_not_blamed(build):
     assert found(build()) == ()
-
-
-def test_a_film_that_cannot_carry_its_strength_is_told_before_the_run(caplog):
-    film = shellcut.preset_film("ldpe", hardening={"yield_stress": 8.0, "modulus": 20.0})
-    finding, note = found(shellcut.guillotine(0.8, material=film))
-    assert (finding.severity, note.severity) == ("doubt", "note")
-    assert "a crack needs 18 MPa" in finding.came
-    case = shellcut.guillotine(0.8, material=film)
-    shellcut.check_model(case.simulation, case.duration).say()
-    assert "distrust: a film must be able to carry the strength" in caplog.text
 
 
 NO_RUN_OF_THEIR_OWN = "Statics(", "sweep(", "optimise("
@@ -127,88 +129,87 @@ def test_the_examples_are_in_order(name, tmp_path, monkeypatch):
         assert [one for one in findings if not one.came.startswith("seal: strength")] == []
 
 
-# --- the way of the edges ------------------------------------------------------------------------
+# --- the path of the edges -----------------------------------------------------------------------
+
+LEFT, RIGHT = (shellcut.Support.clamped(side) for side in ("left", "right"))
+WHOLE = rectangle(12.0, 8.0, size=0.8)
+PARTED = WHOLE.cut(WHOLE.nodes_where(lambda x, y, z: abs(y) < 1e-9))  # along the whole path
 
 
-@pytest.mark.parametrize(("beside", "share"), [(0.2, 0.25), (0.4, 0.5)])
-def test_a_blade_beside_the_rows_is_told(beside, share):
-    blade = straight_blade(length=12.0, height=3.0).translated((-0.05, beside, 0.0))
-    said = only(strip_cut(tool=blade, path="edges"))
-    assert "no such row in 100 % of the 13 quads" in said
-    assert f"the next one {0.8 * share:.3g} mm away" in said
-    assert 'fracture.path = "free"' in said
-    assert found(strip_cut(tool=blade)) == ()  # through the quads
-    near = straight_blade(length=12.0, height=3.0).translated((-0.05, 0.07, 0.0))
-    assert found(strip_cut(tool=near, path="edges")) == ()  # 0.09 edges
+def straight(x, y, speed):
+    return shellcut.StraightMotion((x, y, 0.0), speed)
 
 
-SIDEWAYS = {
-    "motion": shellcut.StraightMotion((0.0, 1.0, 0.0), 2000.0),
-    "tool": straight_blade(length=1.0, height=3.0).translated((6.0, -4.5, 0.0)),
-    "supports": (shellcut.Support.clamped("left"), shellcut.Support.clamped("right")),
+def sideways():
+    blade = straight_blade(length=1.0, height=3.0).translated((6.0, -4.5, 0.0))
+    return strip_cut(motion=straight(0.0, 1.0, 2000.0), tool=blade, supports=(LEFT, RIGHT))
+
+
+def backwards():
+    """A ring of teeth that turns and advances against its edges."""
+    down = {"axis": (0, 0, -1), "advance": (0, 0, -1)}
+    motion = shellcut.ScrewMotion.over(angle_deg=60.0, duration=4e-3, pitch=12.0, **down)
+    rim = [shellcut.Support.clamped("rim")]
+    film = opening_disc("quick")
+    return free_cut(film, tool=tooth_ring(), motion=motion, duration=4e-3, supports=rim)
+
+
+def away(**keys):
+    short = {"mesh": "quick", "motion.angle_deg": 12.0, "motion.duration": 0.8e-3}
+    return shellcut.read_model("opening", short | keys).build()
+
+
+NEVER = "the tool never touches the film: at its nearest, at "
+TOLD = {
+    "beside the rows": (
+        lambda: strip_cut(tool=blade_at(0.2), path="edges"),
+        ["no such row in 100 % of the 13 quads", "the next one 0.2 mm away", 'path = "free"'],
+    ),
+    "across the rows": (
+        lambda: strip_cut(motion=straight(np.sqrt(0.75), 0.5, 6000.0), path="edges"),
+        ["no such row"],
+    ),
+    "supported nodes": (
+        lambda: strip_cut(supports=[*SIDES, LEFT]),
+        ["1 supported node on it, the first at (0, 0, 0) mm"],
+    ),
+    "cut before": (lambda: strip_cut(PARTED), ["or between doubled nodes, from end to end"]),
+    "no support": (lambda: strip_cut(supports=()), ["which has no support"]),
+    "sideways": (sideways, ["moves 90° away from where it points"]),
+    "backwards": (backwards, ["another direction on 100 % of the path", "reverse the motion"]),
+    "out of the film": (
+        lambda: shellcut.opening_test("quick", pitch=40.0),
+        ["4 of 4 whose end leaves the film"],
+    ),
+    "beyond the end": (
+        lambda: strip_cut(motion=straight(1.0, 0.0, 12000.0)),
+        ["1 of 1 cutting edges leave the film before the motion ends"],
+    ),
+    "one edge never": (
+        lambda: shellcut.opening_test("quick", tool=two_rings(height=5.0)),
+        ["1 of 2 cutting edges never meet the film: cutting edge 2", "[tool] not_cutting = [1]"],
+    ),
+    "above the film": (
+        lambda: away(tip_clearance=5.0),
+        [NEVER, "4.6 mm lie between them; add [0, 0, 4.99] mm to membrane.shift or add [0, 0, -4"],
+    ),
+    "around the film": (
+        lambda: away(**{"tool.radius": 12.0}),
+        [NEVER, "1.5 mm lie between them; move it by (0, 1.45, "],
+    ),
+    "short process zone": (lambda: strip_cut(law=zone(1.9)), ["1.9 of them"]),
 }
-ACROSS = {"motion": shellcut.StraightMotion((np.sqrt(0.75), 0.5, 0.0), 6000.0), "path": "edges"}
-CLAMPED = [*SIDES, shellcut.Support.clamped("left")]
+NOTED = ("beyond the end", "one edge never")
+WITH_OTHERS = ("across the rows", "sideways", "backwards")
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (ACROSS, "no such row"),
-        ({"supports": CLAMPED}, "no supported node may lie on the path"),
-        ({"supports": CLAMPED}, "the first at (0, 0, 0) mm"),
-        ({"notch": 12.0}, "there must be film to cut"),
-        ({"supports": ()}, "which has no support"),
-        (SIDEWAYS, "moves 90° away from where it points"),
-    ],
-)
-def test_what_is_on_the_way_is_told(options, said):
-    findings = found(strip_cut(**options))
-    assert any(said in str(finding) for finding in findings), findings
-    assert len(findings) == 1 or options in (ACROSS, SIDEWAYS)
-
-
-def test_doubled_nodes_along_the_path_are_told():
-    whole = rectangle(12.0, 8.0, size=0.8)
-    above = whole.nodes[whole.quads].mean(axis=1)[:, 1:2] > 0.0
-    used, quads = np.unique(whole.quads + whole.n_node * above, return_inverse=True)
-    halves = shellcut.Mesh.from_arrays(
-        whole.nodes[used % whole.n_node],
-        quads.reshape(-1, 4),
-        node_sets={
-            "bottom": np.flatnonzero(np.isin(used, whole.node_set("bottom"))),
-            "top": np.flatnonzero(np.isin(used - whole.n_node, whole.node_set("top"))),
-        },
-    )
-    assert "or between doubled nodes, from end to end" in only(strip_cut(halves))
-
-
-def test_a_second_film_that_nothing_holds_is_told():
-    one = rectangle(12.0, 8.0, size=0.8)
-    both = shellcut.Mesh.from_arrays(
-        np.concatenate([one.nodes, one.nodes + np.array([0.0, 0.0, 1.0])]),
-        np.concatenate([one.quads, one.quads + one.n_node]),
-        node_sets={name: one.node_set(name) for name in ("bottom", "top")},
-    )
-    blade = straight_blade(length=12.0, height=5.0).translated((-0.05, 0.0, 0.5))
-    said = only(strip_cut(both, tool=blade, path="edges"))
-    assert "the piece of 150 quads about (6, 0, 1) mm, which has no support" in said
-
-
-def test_a_ring_driven_backwards_is_told():
-    down = shellcut.ScrewMotion.over(
-        angle_deg=60.0, duration=4e-3, pitch=12.0, axis=(0, 0, -1), advance=(0, 0, -1)
-    )
-    case = free_cut(
-        opening_disc("quick"),
-        tool=tooth_ring(),
-        motion=down,
-        duration=4e-3,
-        supports=[shellcut.Support.clamped("rim")],
-    )
-    said = [str(f) for f in found(case)]
-    assert any("another direction on 100 % of the path" in text for text in said), said
-    assert any("reverse the motion" in text for text in said)
+@pytest.mark.parametrize("name", TOLD)
+def test_what_is_wrong_on_the_path_is_told(name):
+    build, words = TOLD[name]
+    findings = found(build())
+    (finding,) = [one for one in findings if all(word in str(one) for word in words)]
+    assert finding.severity == ("note" if name in NOTED else "doubt")
+    assert len(findings) == 1 or name in WITH_OTHERS
 
 
 def test_a_saw_may_go_back_where_it_has_cut():
@@ -220,67 +221,19 @@ def test_a_saw_may_go_back_where_it_has_cut():
     assert said == []
 
 
-def test_edges_that_pass_out_or_leave_are_told():
-    said = only(shellcut.opening_test("quick", pitch=40.0))
-    assert "4 of 4 whose end leaves the film" in said
-    motion = shellcut.StraightMotion((1.0, 0.0, 0.0), 12000.0)
-    said = only(strip_cut(motion=motion), "note")
-    assert "1 of 1 cutting edges leave the film before the motion ends" in said
-
-
-def test_edges_that_never_meet_the_film_are_noted_and_all_of_them_doubted():
-    said = only(shellcut.opening_test("quick", tool=two_rings(height=5.0)), "note")
-    assert "1 of 2 cutting edges never meet the film: cutting edge 2" in said
-    assert "[tool] not_cutting = [1] leaves them out" in said
-    away = shellcut.opening_test(
-        "quick", tool=tooth_ring(radius=30.0), fracture=shellcut.Fracture(path="edges")
-    )
-    assert "the tool never touches the film: at its nearest, at " in only(away)
+MOVED = shellcut.Support("bottom", translation="z", velocity={"z": lambda _: 1.0}), SIDES[1]
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (
-            {"tip_clearance": 5.0},
-            "4.6 mm lie between them; add [0, 0, 4.99] mm to membrane.shift or add [0, 0, -4.99]",
-        ),
-        ({"tool.radius": 12.0}, "1.5 mm lie between them; move it by (0, 1.45, "),  # beside it
-    ],
+    ("down", "supports", "told"), [(0.5, SIDES, True), (1.5, SIDES, False), (0.5, MOVED, False)]
 )
-def test_a_tool_that_never_touches_the_film_is_told(options, said):
-    short = {"mesh": "quick", "motion.angle_deg": 12.0, "motion.duration": 0.8e-3}
-    text = only(shellcut.read_model("opening", short | options).build())
-    assert text.startswith("the tool never touches the film: at its nearest, at ")
-    assert said in text
-
-
-@pytest.mark.parametrize(("down", "told"), [(0.5, True), (1.5, False)])
-def test_a_blunt_tool_is_told_only_if_it_does_not_come_down_to_the_film(down, told):
+def test_a_blunt_tool_is_told_if_it_does_not_come_down_to_the_film(down, supports, told):
     bar = round_bar(diameter=1.0, height=4.0, tilt_deg=0.0).translated((6.0, 0.0, 3.0))
     motion = shellcut.StraightMotion((0.0, 0.0, -1.0), 1000.0)
-    moved = shellcut.Support("bottom", translation="z", velocity={"z": lambda _: 1.0})
-    supports = {"still": SIDES, "moved": (moved, SIDES[1])}
-    for name, held in supports.items():
-        sim = shellcut.Simulation(
-            rectangle(12.0, 8.0, size=0.8),
-            ShellMaterial.homogeneous(),
-            supports=held,
-            tool=bar,
-            motion=motion,
-        )
-        said = [str(f) for f in shellcut.check_model(sim, 1e-3 * down).findings]
-        assert any("never touches" in text for text in said) == (told and name == "still")
-
-
-@pytest.mark.parametrize("rungs", [0.5, 1.9])
-def test_a_process_zone_shorter_than_two_edges_is_told(rungs):
-    short = rungs * 0.8 / 4.0
-    law = shellcut.CohesiveLaw(opening_a=0.5 * short, opening_p=3.0 * short, opening_u=4.0 * short)
-    said = only(strip_cut(law=law))
-    assert f"{rungs:.2g} of them" in said
-    enough = shellcut.CohesiveLaw(opening_a=0.2, opening_p=1.2, opening_u=1.65)
-    assert found(strip_cut(law=enough)) == ()
+    film = ShellMaterial.homogeneous()
+    sim = shellcut.Simulation(WHOLE, film, supports=supports, tool=bar, motion=motion)
+    said = [str(f) for f in shellcut.check_model(sim, 1e-3 * down).findings]
+    assert any("never touches" in text for text in said) == told
 
 
 # --- steps, refusals -----------------------------------------------------------------------------
@@ -321,10 +274,8 @@ def test_checking_changes_nothing_and_a_film_without_a_tool_is_asked_for_numbers
     for case in (one, two):
         case.simulation.run(2e-5)
     assert np.array_equal(one.simulation.state.node.x, two.simulation.state.node.x)
-    sim = shellcut.Simulation(
-        rectangle(4.0, 2.0, size=1.0), shellcut.ShellMaterial.homogeneous(thickness=74.0)
-    )
-    check = shellcut.check_model(sim, 1e-3)
+    thick = ShellMaterial.homogeneous(thickness=74.0)
+    check = shellcut.check_model(shellcut.Simulation(WHOLE, thick), 1e-3)
     assert check.sweep is None
     assert [f.severity for f in check.findings] == ["refuse"]
 
@@ -349,6 +300,8 @@ def brittle(length):
 
 def test_a_film_that_tears_on_by_itself_is_doubted():
     assert doubts() == doubts(law=brittle(1.05)) == []
+    over_the_border = found(shellcut.guillotine(0.8, law=brittle(0.95)))
+    assert not any("pierces" in str(one) for one in over_the_border)
     (said,) = doubts(law=brittle(0.95))
     assert "0.205 mm and 0.216 mm" in said
     assert "fracture.puncture_force" in said
@@ -364,17 +317,21 @@ def test_a_film_soft_in_shear_is_doubted():
     assert "strength times thickness is 0.5 of its shear stiffness" in said
 
 
-@pytest.mark.parametrize(("first", "told"), [(17.0, True), (19.0, False)])
-def test_a_film_that_yields_below_its_strength_is_doubted(first, told):
-    film = shellcut.preset_film("pet", hardening={"yield_stress": first})
-    assert any("yields before its strength" in said for said in doubts(material=film)) == told
-
-
-def test_a_film_that_is_stretched_far_before_it_parts_has_no_force():
+def test_a_film_that_yields_before_its_strength_is_doubted(caplog):
+    for first, told in ((17.0, True), (19.0, False)):
+        film = shellcut.preset_film("pet", hardening={"yield_stress": first})
+        assert any("yields before its strength" in said for said in doubts(material=film)) == told
     guess, soft = doubts(material=shellcut.preset_film("ldpe"))
     assert "is a guess" in guess
     assert "holds up to 10 %" in guess
     assert "soft in shear through its thickness" in soft
+    weak = shellcut.preset_film("ldpe", hardening={"yield_stress": 8.0, "modulus": 20.0})
+    case = shellcut.guillotine(0.8, material=weak)
+    check = shellcut.check_model(case.simulation, case.duration)
+    assert [one.severity for one in check.findings] == ["doubt", "note"]
+    assert "a crack needs 18 MPa" in check.findings[0].came
+    check.say()
+    assert "distrust: a film must be able to carry the strength" in caplog.text
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.25, False), (0.5, True)])
@@ -387,12 +344,6 @@ def test_a_film_that_is_tight_is_doubted(share, told):
     assert bool(said) == told
     if told:
         assert f"a tip then needs {np.sqrt(1.0 - share**2):.2g} of the usual force" in said[0]
-
-
-def test_edges_that_come_in_over_the_rim_pierce_nothing():
-    case = shellcut.guillotine(0.8, law=brittle(0.95))
-    said = [str(one) for one in shellcut.check_model(case.simulation, case.duration).findings]
-    assert not any("pierces" in one for one in said)
 
 
 # --- numbers typed in another unit are told, those of the film are not
@@ -431,11 +382,7 @@ IN_METRES = {"opening_a": 500, "opening_p": 3e3, "opening_u": 4e3}
         ({"thickness": 2.0}, "doubt", "thinner than 0.1 of its size"),
         ({"thickness": 0.5}, "doubt", "thickness 0.5 mm and sides of quads of 0.4 mm"),
         ({"thickness": 7.4e-5}, "doubt", "thicker than 0.0001 mm"),  # in m
-        (
-            {"young": 1.678},
-            "refuse",
-            "strength 18 MPa is 10.73 times the film's modulus, 1.678 MPa",
-        ),  # in GPa
+        ({"young": 1.678}, "refuse", "strength 18 MPa is 10.73 times the film's modulus"),  # in GPa
         ({"young": 1.678e9}, "doubt", "young 1.678e+09 MPa"),  # in Pa
         ({"density": 1e-12}, "doubt", "density 1e-12 t/mm³"),  # in t/mm³ by a slip of g/m³
         ({"density": 5e-8}, "doubt", "osmium"),
@@ -467,19 +414,15 @@ def test_a_film_that_cannot_yield_so(first, r_values, severity, said):
     assert said in text
 
 
-def test_what_is_wrong_in_one_layer_of_several_is_told_once():
-    polymer, foil = sc.Elastic(800.0, 0.4, 0.92e-9), sc.Elastic(69e9, 0.33, 2.7e-9)
-    film = sc.ShellMaterial([sc.Layer(foil, 0.005), sc.Layer(polymer, 0.06), sc.Layer(foil, 0.005)])
-    said = [text for _, text in of_numbers(film, tool=None)]
-    assert sum("a modulus should lie" in text for text in said) == 1
+def test_what_is_wrong_in_several_layers_is_told_once():
+    foil = sc.Layer(sc.Elastic(69e9, 0.33, 2.7e-9), 0.005)  # young in Pa
+    film = sc.ShellMaterial([foil, sc.Layer(sc.Elastic(800.0, 0.4, 0.92e-9), 0.06), foil])
+    assert sum("a modulus should lie" in text for _, text in of_numbers(film, tool=None)) == 1
 
 
 @pytest.mark.parametrize(
     ("unit", "said"),
-    [
-        ("um", "between them nothing resists the tooth"),
-        ("m", "of similar size, got a tool of 67"),
-    ],
+    [("um", "between them nothing resists the tooth"), ("m", "of similar size, got a tool of 67")],
 )
 def test_a_tool_of_another_scale(tmp_path, unit, said):
     BLADE.write(tmp_path / "blade.stl")

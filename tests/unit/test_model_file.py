@@ -12,8 +12,18 @@ import pytest
 
 import shellcut
 from free_model import FREE
-from shellcut import ModelFileError, guillotine, opening_test, oscillating, read_model, trouser
+from known_film import write_deck
+from shellcut import (
+    Mesh,
+    ModelFileError,
+    guillotine,
+    opening_test,
+    oscillating,
+    read_model,
+    trouser,
+)
 from shellcut.material.orthotropic import turned_moduli
+from shellcut.mesh.structured import rectangle
 from shellcut.model_file import shipped_models
 from shellcut.model_file.material_keys import HARDENINGS, RATES
 from shellcut.model_file.section_table import HEAD, LISTS, SECTIONS
@@ -103,79 +113,37 @@ safety = true
     ]
 
 
-def test_files_of_windows_editors_are_read(tmp_path):
-    path = tmp_path / "x.toml"
-    path.write_bytes(b"\xef\xbb\xbfmodel = 'opening'\r\n[tool]\r\nteeth = 3\r\n")
-    assert read_model(path).sections["tool"].teeth == 3
-    path.write_bytes(b"\xef\xbb\xbfmodel = 'opening'\r\n[tool]\r\nteehs = 3\r\n")
-    with pytest.raises(ModelFileError, match=r"x\.toml:3: unknown key \[tool\]\.teehs"):
-        read_model(path)
-    text = "model = 'opening'  # Öffnung\n[tool]\nteeth = 3"
-    path.write_bytes(text.encode("utf-16"))
-    assert read_model(path).sections["tool"].teeth == 3
-    path.write_bytes(text.encode("latin-1"))
-    with pytest.raises(ModelFileError, match=r"must be text in UTF-8"):
-        read_model(path)
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("model = 3", "model must be one of"),
         ("[tool]\nteeth = 3", "model must be given"),
-        (
-            "model = 'opening'\nmodel = 'free'",
-            "x.toml:2: is not a model file (TOML): Cannot overwrite a value, model in line 2, "
-            "first in line 1",
-        ),
-        (
-            "model = 'free'\n[tool]\nat = [1,\n\n  2\nkind = 'blade'",
-            "x.toml:6: is not a model file (TOML): Unclosed array, at in line 3",
-        ),
-        ("[tool]\nkind 'blade'", "Expected '=' after a key in a key/value pair"),
+        ("model = 'opening'\nmodel = 'free'", "value, model in line 2, first in line 1"),
+        ("a = 1\nat = [1,\n\n  2\nkind = 'b'", "x.toml:5: is not a model file (TOML): Unclosed"),
         ("model = 'opening'\n[temperature]", "unknown section [temperature]; there are membrane,"),
-        ("model = 'opening'\n[tool\n", "x.toml:2: is not a model file (TOML)"),
         ("model = 'opening'\n[[tool]]\nteeth = 3", "x.toml:2: [tool] can occur only once"),
-        (
-            "model = 'opening'\n[loads]\nvalue = 3",
-            "x.toml:2: [[loads]] must be written with double",
-        ),
-        ("model = 'opening'\n[tool]\nn_teeth = 3", "x.toml:3: unknown key [tool].n_teeth; did you"),
-        (
-            "model = 'opening'\n[tool]\nfile='a.stl'\nstl='a.stl'",
-            "x.toml:4: [tool].stl repeats file",
-        ),
+        ("model = 'opening'\n[loads]\nvalue = 3", "x.toml:2: [[loads]] must be written with doub"),
+        ("model = 'opening'\n[tool]\nfile='a.stl'\nstl='a.stl'", "x.toml:4: [tool].stl repeats"),
         ("model = 'opening'\n[tool]\nfile='gone.stl'", "x.toml:3: [tool].file: there is no file /"),
-        ("model = 'opening'\n[tool]\nkind = 'blade'", "[tool].kind 'blade' is unknown; there are"),
-        (
-            "model = 'free'\n[tool]\nteeth = 4\nedge_angle_deg = 90",
-            "x.toml:4: [tool].edge_angle_deg and [tool].teeth exclude each other: leave out "
-            "edge_angle_deg, or teeth",
-        ),
         (
             "model = 'free'\n[tool]\nedge_angle_deg = 90\nedge_inclination_deg = 60",
-            'x.toml:4: key [tool].edge_inclination_deg belongs to kind = "teeth", not to '
-            'kind = "blade": leave it out',
+            'x.toml:4: key [tool].edge_inclination_deg belongs to kind = "teeth", not to kind =',
         ),
         ("model = 'free'\n[motion]\npitch = 3", "x.toml:2: [motion].duration must be given"),
         ("model = 'opening'\nname = '../x'", "x.toml:2: name must be letters"),
         ("model = 'opening'\n[material]\nlayers = 3", "must be an array of tables, got 3"),
-        ("model = 'opening'\n[fracture]\ncriterion = 'froce'", "must be one of"),
         ("model = 'opening'\nthreads = 1.5", "x.toml:2: threads must be a whole number, got 1.5"),
-        (
-            "model = 'opening'\n[damping]\nbeta = -1",
-            "x.toml:3: [damping].beta must be 0 or more, got -1.0 s",
-        ),
         ("model = 'opening'\n[tool]\nshift = [1, 2]", "[tool].shift must be an array of 3 numbers"),
-        (
-            "model = 'opening'\n[[material.layers]]\nyoung = 1\npoisson = 0.3\ndensity = 1\n"
-            "thickness = 1",
-            "x.toml:5: [material.layers.0]: density must be in t/mm",
-        ),
     ],
 )
 def test_refusals(write, text, said):
     assert any(said in line for line in refusal(write(text)))
+
+
+def test_text_that_is_no_utf_8_is_refused(write):
+    Path("x.toml").write_bytes("model = 'opening'  # Öffnung".encode("latin-1"))
+    with pytest.raises(ModelFileError, match="must be text in UTF-8"):
+        read_model("x.toml")
 
 
 def remembered(constructor):
@@ -219,10 +187,12 @@ def test_a_failure_inside_a_library_is_no_fault_of_the_file(write, monkeypatch, 
 def test_junk_ends_in_no_other_error(write, monkeypatch, junk):
     for kind, constructor in REMEMBERED.items():  # spares most of the time
         monkeypatch.setattr(kind, "constructor", constructor)
+    seen = set()
     for model, sections in SECTIONS.items():
         for title, kinds in [*sections.items(), *LISTS[model].items()]:
             head = f"[{title}]" if title in sections else f"[[{title}]]"
-            for kind in kinds:
+            for kind in set(kinds) - seen:
+                seen.add(kind)
                 lines = [f"{name} = {junk}" for name in kind.keys]
                 lines += [f"kind = '{kind.name}'"] if kind.name else []
                 with contextlib.suppress(ModelFileError):  # 3 is a damping
@@ -262,21 +232,12 @@ k = { l = 1, m = [2] }
 [[many]]
 k = 2
 '''
-    lines = parse(text, "x", Path()).lines
-    assert lines == {
-        ("a",): 1,
-        ("b",): 2,
-        ("c",): 6,
-        ("one",): 10,
-        ("one", "two"): 10,
-        ("one", "two", "quoted key"): 11,
-        ("one", "two", "d"): 12,
-        ("one", "two", "d", "e"): 12,
-        ("many",): 13,
-        ("many", 0): 13,
-        ("many", 0, "k"): 14,
-        ("many", 1): 15,
-        ("many", 1, "k"): 16,
+    found = parse(text, "x", Path()).lines
+    lines = {"a": 1, "b": 2, "c": 6, "one": 10, "one.two": 10, "one.two.quoted key": 11}
+    lines |= {"one.two.d": 12, "one.two.d.e": 12, "many": 13, "many.0": 13, "many.0.k": 14}
+    assert {".".join(map(str, key)): line for key, line in found.items()} == lines | {
+        "many.1": 15,
+        "many.1.k": 16,
     }
 
 
@@ -297,8 +258,8 @@ def test_shipped_models_are_package_data_and_told():
 def test_a_shipped_model_is_the_builder_with_its_defaults(builder):
     name = builder.__name__.removesuffix("_test")
     length = 30.0 if name == "oscillating" else 8.0
-    smaller = {"size": 1.0, "membrane.length": length}
-    case = read_model(name, {"mesh": "quick"} if name == "opening" else smaller).build()
+    keys = {"size": 1.0, "membrane.length": length} if name != "opening" else {"mesh": "quick"}
+    case = read_model(name, keys).build()
     same = builder("quick") if name == "opening" else builder(1.0, length=length)
     assert (case.name, case.duration) == (same.name, same.duration)
     ours, theirs = case.simulation, same.simulation
@@ -328,22 +289,11 @@ def test_overrides_by_dotted_and_bare_keys_may_change_the_kind(tmp_path, monkeyp
         ({"mseh": "quick"}, "set mseh=quick: no section has this key; did you mean mesh?"),
         ({"tool.teehs": 3}, "set tool.teehs=3: unknown key [tool].teehs; did you mean teeth?"),
         ({"tol.teeth": 3}, "set tol.teeth=3: there is no section [tol]; did you mean tool?"),
-        ({"tool.teeth": "many"}, "set tool.teeth=many: [tool].teeth must be a whole number"),
         ({"tool.teeth": 0}, "set tool.teeth=0: [tool].teeth must be 1 or more, got 0"),
-        (
-            {"tool.teeth": 3, "tool.file": "x.stl"},
-            "[tool].file and [tool].teeth exclude",
-        ),
-        ({"membrane.mesh": "M1", "membrane.file": "x.inp"}, "[membrane].file and [membrane].mesh"),
-        (
-            {"density": 1000},
-            "set density=1000: [material]: density must be in t/mm³, got 1000.0, heavier than any "
-            "matter: 1000 kg/m³, or 1 g/cm³, is 1e-9 t/mm³",
-        ),
-        (
-            {"loads.value": 3},
-            "loads has several tables: choose one by its number from 0 on, loads.0.value",
-        ),
+        ({"tool.step": "x.step"}, "unknown key [tool].step; did you mean file?"),
+        ({"tool.teeth": 3, "tool.file": "x.stl"}, "[tool].file and [tool].teeth exclude"),
+        ({"density": 1000}, "set density=1000: [material]: density must be in t/mm³, got 1000.0"),
+        ({"loads.value": 3}, "choose one by its number from 0 on, loads.0.value"),
     ],
 )
 def test_an_override_that_fits_not_is_named(overrides, said):
@@ -404,16 +354,6 @@ def test_read_back_it_is_the_same_run_bit_for_bit(tmp_path, name, overrides):
     assert one.ledger == two.ledger
 
 
-def test_a_file_that_has_changed_since_is_found(tmp_path, monkeypatch):
-    tooth_ring().write(tmp_path / "cap.stl")
-    monkeypatch.chdir(tmp_path)
-    model = read_model("opening", {"tool.file": "cap.stl"})
-    model.write("used.toml")
-    assert read_model("used.toml").changed_files() == []
-    tooth_ring(n_teeth=2).write(tmp_path / "cap.stl")
-    assert read_model("used.toml").changed_files() == [str(tmp_path / "cap.stl")]
-
-
 # --- what the parts refuse -----------------------------------------------------------------------
 
 
@@ -436,27 +376,14 @@ def test_a_free_model_cuts_as_the_guillotine_does(write):
     [
         ('["bottom", "top"]', '["bottom", "tpo"]', "x.toml:6: [membrane]: "),
         ("notch = 1.0", "notch = 0.1", "notch of 0.1 mm must be at least one quad side"),
-        (
-            "[motion]",
-            '[fracture]\npath = "imprint"\n[motion]',
-            "got 'imprint'; cracks run through the quads of any mesh: set path = 'free', or leave",
-        ),
+        ("[motion]", '[fracture]\npath = "imprint"\n[motion]', "got 'imprint'; cracks run through"),
         ('model = "', 'precision = "single"\nmodel = "', "precision; leave it out: all is"),
         ("[motion]", "[output]\npvd = true\n[motion]", "[output].pvd; leave it out: ParaView"),
         ("[motion]", '[fracture]\ncandidates = "all"\n[motion]', "[fracture].candidates; leave it"),
-        (
-            "shift = [-0.05, 0.0, 0.0]",
-            'shift = [-0.05, 0.2, 0.0]\n[fracture]\npath = "edges"',
-            "a notch along quad sides needs a row of them under the whole path, got none",
-        ),
+        ("0.0, 0.0]", '0.2, 0.0]\n[fracture]\npath = "edges"', "quad sides needs a row of them"),
         ("notch = 1.0", "imprint = false", '[fracture] path = "free" cuts through the quads'),
-        ('"0.5 ms"', "-1.0", "x.toml:17: [motion].duration must be positive, got -1.0 s"),
         ("-0.05", "3.0", "tool"),
-        (
-            "[motion]",
-            '[[supports]]\nnodes = "lfet"\n[motion]',
-            "x.toml:13: [supports.0]: ",
-        ),
+        ("[motion]", '[[supports]]\nnodes = "lfet"\n[motion]', "x.toml:13: [supports.0]: "),
         ("[motion]", '[[loads]]\nvalue = 1\nquads = "all"\n[motion]', "x.toml:13: [loads.0]: "),
         ("length = 6.0\nwidth", "outline = [[0,0],[1,1],[1,0],[0,1]]\nsize=1\n[a]\nwidth", "[a]"),
         ("[1, 0, 0]", "[0, 0, 0]", "x.toml:14: [motion]: direction must"),
@@ -470,16 +397,9 @@ def test_what_the_parts_refuse_names_its_section(write, old, new, said):
 
 
 def test_a_film_of_ones_own_is_clamped_by_its_set(write):
-    film = "*NODE\n" + "".join(
-        f"{1 + i + 9 * j}, {i - 4}, {j - 4}\n" for j in range(9) for i in range(9)
-    )
-    film += "*ELEMENT, TYPE=S4R\n" + "".join(
-        f"{1 + i + 8 * j}, {1 + i + 9 * j}, {2 + i + 9 * j}, {11 + i + 9 * j}, {10 + i + 9 * j}\n"
-        for j in range(8)
-        for i in range(8)
-    )
-    film += "*NSET, NSET=held\n1, 2, 3\n*NSET, NSET=rim\n4\n"
-    Path("film.inp").write_text(film)
+    sheet, sets = rectangle(8.0, 8.0, size=1.0), {"held": [0, 1, 2], "rim": [3]}
+    at_origin = sheet.nodes - np.array([4.0, 0.0, 0.0])
+    write_deck(Path("film.inp"), Mesh.from_arrays(at_origin, sheet.quads, node_sets=sets))
     name = write(
         'model = "opening"\n[membrane]\nfile = "film.inp"\nunit = "mm"\nclamp = "held"\n'
         "[fracture]\npath = 'edges'\n[tool]\nradius = 3.0\nteeth = 2\nheight = 1.0\n"
@@ -500,42 +420,20 @@ def test_the_model_on_the_page_reads(write):
 
 
 @pytest.mark.parametrize(
-    ("model", "line", "drop"),
+    ("model", "file", "key", "drop"),
     [
-        (
-            "opening",
-            'file = "disc.msh"',
-            "[membrane].mesh exclude each other: leave out file, or mesh",
-        ),
-        (
-            "opening",
-            'file = "cap.stl"',
-            "[tool].teeth exclude each other: leave out file, or teeth, radius, "
-            "edge_inclination_deg, wedge_half_angle_deg, half_thickness",
-        ),
-        (
-            "free",
-            'file = "film.msh"',
-            "[membrane].length exclude each other: leave out file, or length, width, size",
-        ),
-        (
-            "free",
-            'file = "knife.step"',
-            "[tool].edge_angle_deg exclude each other: leave out file, or kind, edge_angle_deg, "
-            "wedge_half_angle_deg, half_thickness, length, height",
-        ),
-        (
-            "free",
-            'file = "motion.csv"',
-            "[motion].direction exclude each other: leave out file, or kind, direction, speed",
-        ),
+        ("opening", "disc.msh", "[membrane].mesh", "mesh"),
+        ("opening", "cap.stl", "[tool].teeth", "teeth, radius, edge_inclination_deg, "),
+        ("free", "film.msh", "[membrane].length", "length, width, size"),
+        ("free", "knife.step", "[tool].edge_angle_deg", "kind, edge_angle_deg, wedge_half_angle"),
+        ("free", "motion.csv", "[motion].direction", "kind, direction, speed"),
     ],
 )
-def test_a_line_of_a_template_that_is_switched_on_says_what_to_drop(write, model, line, drop):
-    text = shipped_models()[model]
+def test_a_line_of_a_template_that_is_switched_on_says_what_to_drop(write, model, file, key, drop):
+    text, line = shipped_models()[model], f'file = "{file}"'
     assert f"# {line}" in text
     (said,) = refusal(write(text.replace(f"# {line}", line)))
-    assert drop in said
+    assert f"{key} exclude each other: leave out file, or {drop}" in said
 
 
 def test_an_override_says_which_keys_of_the_file_give_way(write, caplog):
@@ -549,8 +447,3 @@ def test_an_override_says_which_keys_of_the_file_give_way(write, caplog):
     disc = {"membrane.radius": 5.0, "membrane.n_side": 8}  # the sheet's size gives way, too
     assert read_model("free", disc).sections["membrane"].values["size"] is None
     assert caplog.messages == []
-
-
-def test_the_ending_of_a_file_is_no_key_but_file_is():
-    (said,) = refusal("opening", {"tool.step": "x.step"})
-    assert "unknown key [tool].step; did you mean file?" in said

@@ -1,7 +1,5 @@
 """The parts of a model by themselves: those of the case that is built, and those there are."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,17 +9,15 @@ from shellcut import ModelFileError, read_model
 TWICE_HELD = FREE.replace('"bottom", "top"', '"bottom"') + '[[supports]]\nnodes = "top"\n'
 
 
-@pytest.fixture
-def free(tmp_path):
-    path = tmp_path / "free.toml"
-    path.write_text(TWICE_HELD)
-    return path
-
-
 @pytest.mark.parametrize("name", ["opening", "guillotine", "free", "trouser", "oscillating"])
-def test_they_are_those_of_the_case(name, free):
-    overrides = {"opening": {"mesh": "quick"}, "guillotine": {"size": 0.5}}.get(name, {})
-    model = read_model(free if name == "free" else name, overrides)
+def test_they_are_those_of_the_case(name, tmp_path):
+    small = {
+        "opening": {"mesh": "quick"},
+        "guillotine": {"size": 0.5},
+        "oscillating": {"size": 1.5},
+    }
+    (tmp_path / "free.toml").write_text(TWICE_HELD)
+    model = read_model(tmp_path / "free.toml" if name == "free" else name, small.get(name))
     case, parts = model.build(), model.parts()
     sim = case.simulation
     # A notch is cut last, along a path that was in the mesh: it appends nodes.
@@ -60,12 +56,11 @@ def test_what_is_wrong_elsewhere_takes_nothing_away(tmp_path, wrong):
         ('nodes = "top"', 'nodes = "tip"', {"mesh", "tool", "motion"}),
     ],
 )
-def test_what_is_wrong_is_left_out(free, old, new, there):
-    text = Path(free).read_text()
-    assert text.count(old) == 1
-    Path(free).write_text(text.replace(old, new))
+def test_what_is_wrong_is_left_out(tmp_path, old, new, there):
+    assert TWICE_HELD.count(old) == 1
+    (tmp_path / "free.toml").write_text(TWICE_HELD.replace(old, new))
     try:
-        model = read_model(free)
+        model = read_model(tmp_path / "free.toml")
         with pytest.raises(ModelFileError):
             model.build()
     except ModelFileError as problem:

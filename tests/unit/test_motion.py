@@ -21,20 +21,17 @@ def table(n=9, seed=5):
     return times, rng.normal(size=(n, 3)), np.cumsum(0.4 * rng.normal(size=(n, 3)), axis=0)
 
 
-def tilted_screw():
-    return ScrewMotion(
-        angular_speed=300.0,
-        pitch=12.0,
-        ramp=1e-3,
-        axis=(1.0, 2.0, 3.0),
-        axis_point=(1.0, -2.0, 0.5),
-        advance=(0.0, 1.0, -1.0),
-    )
-
-
+TILTED = ScrewMotion(
+    angular_speed=300.0,
+    pitch=12.0,
+    ramp=1e-3,
+    axis=(1.0, 2.0, 3.0),
+    axis_point=(1.0, -2.0, 0.5),
+    advance=(0.0, 1.0, -1.0),
+)
 MOTIONS = [
     (ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0), 1e-3),
-    (tilted_screw(), 1e-3),
+    (TILTED, 1e-3),
     (StraightMotion((1.0, 1.0, 0.0), speed=6000.0, ramp=1e-3), 1e-3),
     (TableMotion(*table()), 1.0),
     (TableMotion(*table()[:2]), 1.0),
@@ -75,56 +72,32 @@ class TestScrew:
         assert screw.ramp == pytest.approx(0.03 * DURATION)
         # the ramp covers half of its part
         assert screw.coordinate(screw.ramp) == pytest.approx(0.5 * screw.ramp * screw.angular_speed)
-        screw = ScrewMotion(angular_speed=2.0 * np.pi, pitch=12.0)
-        rotation, origin = screw.pose(1.0)
-        np.testing.assert_allclose(origin, [0.0, 0.0, -12.0], rtol=1e-14)
-        np.testing.assert_allclose(rotation, np.eye(3), atol=1e-14)
-        rotation, _ = ScrewMotion(angular_speed=0.5 * np.pi).pose(1.0)
-        np.testing.assert_allclose(rotation @ [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], atol=1e-15)
-        screw = ScrewMotion.over(angle_deg=95.0, duration=DURATION, pitch=12.0)
+        assert screw.twist(2.0 * DURATION)[0][2] == screw.angular_speed
         rotation, origin = screw.pose(-1.0)
         np.testing.assert_array_equal(rotation, np.eye(3))
         np.testing.assert_array_equal(origin, np.zeros(3))
-        for time in (-1.0, 0.0):
-            assert not np.any(screw.twist(time))
+        assert not np.any(screw.twist(-1.0))
         assert screw.coordinate(-1.0) == 0.0
-        assert screw.twist(2.0 * DURATION)[0][2] == screw.angular_speed
+        rotation, origin = ScrewMotion(angular_speed=0.5 * np.pi, pitch=12.0).pose(1.0)
+        np.testing.assert_allclose(origin, [0.0, 0.0, -3.0], rtol=1e-14)
+        np.testing.assert_allclose(rotation @ [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], atol=1e-15)
 
     def test_points_of_the_axis_only_advance(self):
-        screw = tilted_screw()
-        rotation, origin = screw.pose(2e-3)
-        angle = screw.coordinate(2e-3)
-        point = np.array(screw.axis_point) + 0.7 * np.array(screw.axis)
+        rotation, origin = TILTED.pose(2e-3)
+        angle = TILTED.coordinate(2e-3)
+        point = np.array(TILTED.axis_point) + 0.7 * np.array(TILTED.axis)
         advance = 12.0 * angle / (2.0 * np.pi) * np.array([0.0, 1.0, -1.0]) / np.sqrt(2.0)
         np.testing.assert_allclose(rotation @ point + origin - point, advance, atol=1e-14)
 
-    @pytest.mark.parametrize(
-        ("change", "message"),
-        [
-            ({"axis": (0.0, 0.0, 0.0)}, "axis must not be zero: it is a direction"),
-            ({"advance": (0.0, 0.0, 0.0)}, "advance must not be zero"),
-            ({"axis_point": (0.0, np.nan, 0.0)}, "axis_point must be three finite numbers"),
-            ({"axis": (0.0, 1.0)}, "axis must be three finite numbers"),
-        ],
-    )
-    def test_refusals(self, change, message):
-        with pytest.raises(ValueError, match=message):
-            ScrewMotion(**{"angular_speed": 1.0, **change})
 
-
-class TestStraight:
-    def test_path(self):
-        motion = StraightMotion((0.0, 3.0, 4.0), speed=10.0, ramp=0.2)
-        assert motion.coordinate(1.0) == pytest.approx(9.0)
-        rotation, origin = motion.pose(1.0)
-        np.testing.assert_allclose(origin, [0.0, 5.4, 7.2])
-        np.testing.assert_array_equal(rotation, np.eye(3))
-        np.testing.assert_allclose(motion.twist(1.0)[1], [0.0, 6.0, 8.0])
-        motion = StraightMotion((1.0, 0.0, 0.0), speed=10.0)
-        assert motion.twist(0.0)[1][0] == 10.0
-        assert motion.coordinate(0.5) == 5.0
-        with pytest.raises(ValueError, match="direction must not be zero"):
-            StraightMotion((0.0, 0.0, 0.0), speed=1.0)
+def test_a_straight_motion():
+    motion = StraightMotion((0.0, 3.0, 4.0), speed=10.0, ramp=0.2)
+    assert motion.coordinate(1.0) == pytest.approx(9.0)
+    rotation, origin = motion.pose(1.0)
+    np.testing.assert_allclose(origin, [0.0, 5.4, 7.2])
+    np.testing.assert_array_equal(rotation, np.eye(3))
+    np.testing.assert_allclose(motion.twist(1.0)[1], [0.0, 6.0, 8.0])
+    assert StraightMotion((1.0, 0.0, 0.0), speed=10.0).twist(0.0)[1][0] == 10.0
 
 
 class TestTable:
@@ -195,18 +168,14 @@ class TestTable:
         screw = ScrewMotion(angular_speed=2.0, pitch=3.0)
         times = np.linspace(0.0, 4.0, 17)
         angle = 2.0 * times
-        axis = np.array([0.0, 0.0, 1.0])
-        motion = TableMotion(
-            times, -3.0 * angle[:, None] / (2.0 * np.pi) * axis, angle[:, None] * axis
-        )
+        turns = angle[:, None] * [0.0, 0.0, 1.0]
+        motion = TableMotion(times, -3.0 / (2.0 * np.pi) * turns, turns)
         for time in (0.0, 1.1, 3.9):
             for mine, exact in zip(motion.pose(time), screw.pose(time), strict=True):
                 np.testing.assert_allclose(mine, exact, atol=1e-12)
             assert motion.coordinate(time) == pytest.approx(screw.coordinate(time), rel=1e-12)
         assert motion.coordinate_unit == "rad"
-        motion = TableMotion([0.0, 1.0, 2.0], [[0, 0, 0], [3, 4, 0], [6, 8, 0]])
-        assert motion.coordinate_unit == "mm"
-        assert motion.coordinate(1.5) == pytest.approx(7.5)
+        assert TableMotion([0.0, 1.0], np.eye(2, 3)).coordinate_unit == "mm"
 
     def test_end_poses_are_held_at_rest_outside_and_copies_are_kept(self):
         times, translations, vectors = table()
@@ -224,12 +193,12 @@ class TestTable:
         with pytest.raises(ValueError, match="read-only"):
             motion.translations[0, 0] = 1.0
 
-    @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (2.0, -1.0, 2.0)])
+    @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (2.0, -1.0, 2.0)])
     @pytest.mark.parametrize(
         "angles",
         [
-            *((0, 270), (0, 360), (0, 720), (0, 494), (0, -270), (0, 180), (170, -170)),
-            *((30, 400, 350), (0, 10, 20, 3620, 3600), (0, 134, 270, 630)),
+            *((0, 360), (0, 494), (0, -270), (0, 180), (170, -170), (30, 400, 350)),
+            *((0, 10, 20, 3620, 3600), (0, 134, 270, 630)),
         ],
     )
     def test_rows_about_one_axis_turn_by_their_difference(self, axis, angles):
@@ -281,7 +250,6 @@ class TestTable:
         [
             *(((355, 357, 359, 1, 3), 2), ((3, 1, 359), 1), ((0, 350, 20), None)),
             *(((0, 720), None), ((0, 200, 400), None), ((0, 1, 2, 300), None)),
-            ((0, -1, -2, 300), None),
         ],
     )
     def test_a_jump_of_a_sensor_is_seen(self, angles, leap):
@@ -289,42 +257,37 @@ class TestTable:
         times = np.arange(len(angles), dtype=float)
         assert TableMotion(times, np.zeros((len(angles), 3)), vectors).leap == leap
 
-    @pytest.mark.parametrize(
-        ("times", "translations", "vectors", "message"),
-        [
-            ([0.0], np.zeros((1, 3)), None, r"times must have shape \(n_time,\) with at least two"),
-            ([0, 1, 1], np.zeros((3, 3)), None, "times must increase, entry 2 is 1 after 1 s"),
-            (
-                [0, 1],
-                np.zeros((3, 3)),
-                None,
-                r"translations must have shape \(2, 3\), got \(3, 3\)",
-            ),
-            ([0, 1], np.zeros((2, 3)), np.zeros((2, 4)), r"rotation_vectors must have shape \(2"),
-            ([0, 1], [[0, 0, 0], [0, np.inf, 0]], None, "translations must be finite, entry 1"),
-            (
-                [0, 1, 2],
-                np.zeros((3, 3)),
-                [[0, 0, 0], [0, 0, 1], [0, 3, 0]],
-                r"where the axis changes, got 181.2 from entry 1 to 2: add entries .* or unwrap",
-            ),
-        ],
-    )
-    def test_refusals(self, times, translations, vectors, message):
-        with pytest.raises(ValueError, match=message):
-            TableMotion(times, translations, vectors)
+
+LINE, TURNS = np.zeros((3, 3)), [[0, 0, 0], [0, 0, 1], [0, 3, 0]]
 
 
-def table_of(tmp_path, text, encoding="utf-8"):
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: ScrewMotion(1.0, axis=(0.0, 0.0, 0.0)), "axis must not be zero: it is a dir"),
+        (lambda: ScrewMotion(1.0, advance=(0.0, 0.0, 0.0)), "advance must not be zero"),
+        (lambda: ScrewMotion(1.0, axis_point=(0.0, np.nan, 0.0)), "must be three finite numbers"),
+        (lambda: StraightMotion((0.0, 0.0, 0.0), speed=1.0), "direction must not be zero"),
+        (lambda: TableMotion([0.0], LINE[:1]), r"times must have shape \(n_time,\) with at least"),
+        (lambda: TableMotion([0, 1, 1], LINE), "times must increase, entry 2 is 1 after 1 s"),
+        (lambda: TableMotion([0, 1], LINE), r"translations must have shape \(2, 3\), got \(3, 3\)"),
+        (lambda: TableMotion([0, 1], LINE[:2], np.zeros((2, 4))), r"vectors must have shape \(2"),
+        (lambda: TableMotion([0, 1], [[0, 0, 0], [0, np.inf, 0]]), "must be finite, entry 1"),
+        (
+            lambda: TableMotion([0, 1, 2], LINE, TURNS),
+            r"where the axis changes, got 181.2 from entry 1 to 2: add entries .* or unwrap",
+        ),
+    ],
+)
+def test_motions_that_cannot_be_are_refused(build, message):
+    with pytest.raises(ValueError, match=message):
+        build()
+
+
+def table_of(tmp_path, text):
     path = tmp_path / "motion.csv"
-    path.write_bytes(text.encode(encoding))
+    path.write_text(text, encoding="utf-8", newline="")
     return TableMotion.read_csv(path)
-
-
-def refusal(tmp_path, text):
-    with pytest.raises(FileError) as caught:
-        table_of(tmp_path, text)
-    return str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -348,17 +311,10 @@ def test_headings_units_separators_and_decimal_commas(tmp_path, text):
     assert motion.coordinate_unit == "rad"
 
 
-def test_without_turn_the_coordinate_is_the_path(tmp_path):
-    motion = table_of(tmp_path, "x [mm],time [s]\n0,0\n3,1\n")
-    assert motion.coordinate_unit == "mm"
-    assert motion.coordinate(1.0) == pytest.approx(3.0, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("# nothing\n", "a line of headings"),
-        ("time,z [mm]\n0,0\n", "a heading must be 'name [unit]' of time, x, y, z"),
         ("time [s],w [mm]\n0,0\n", "got 'w [mm]'"),
         ("time [h]\n0\n", "time must be a unit of time (ns, us, ms, s, min), got 'h'"),
         ("time [s],time [ms]\n0,0\n", "each column must occur once, got time again"),
@@ -368,9 +324,9 @@ def test_without_turn_the_coordinate_is_the_path(tmp_path):
         ("time [s],z [mm]\n0,0\n1\n", "line 3: there must be 2 numbers, got 1"),
         ("time [s],z [mm]\n0,0\n1,x\n", "line 3: must be a number, got 'x'"),
         ("time [s],z [mm]\n0,0\n0,1\n", "times must increase"),
-        ("time [s],rx [deg],rz [deg]\n0,10,0\n1,0,170\n", "must turn by less than 135 degrees"),
-        ("time [s],z [mm]\n0,0\n1,nan\n", "translations must be finite"),
     ],
 )
 def test_refusals(tmp_path, text, words):
-    assert words in refusal(tmp_path, text)
+    with pytest.raises(FileError) as refused:
+        table_of(tmp_path, text)
+    assert words in str(refused.value)

@@ -69,10 +69,10 @@ def gmsh():
     return pytest.importorskip("gmsh", exc_type=ImportError)
 
 
-SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(12, 60)]
+SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(9, 60)]
 
 
-@pytest.mark.parametrize("seed", [*range(12), *SLOW])
+@pytest.mark.parametrize("seed", [*range(9), *SLOW])
 def test_random_outlines_teeth_and_motions_give_sound_quads(gmsh, seed):
     outline, given = random_case(seed)
     film = film_along_path(outline, **given)
@@ -121,11 +121,9 @@ def test_a_small_hole_is_round_in_a_coarse_part_of_the_film(gmsh):
     ("given", "words"),
     [
         ({"near": [[0, 0]]}, "near and size_near belong together"),
-        ({"size_near": 0.1}, "near and size_near belong together"),
         ({"near": [[0, 0]], "size_near": 2.0}, "size_near must be at most size, 1 mm, got 2 mm"),
         ({"near": [0, 0], "size_near": 0.1}, r"near must be points of shape \(n, 2\), got"),
         ({"near": [[0, np.inf]], "size_near": 0.1}, "near must be finite"),
-        ({"near": [[0, 0]], "size_near": 0.0}, "size_near must be positive, got 0.0 mm"),
         ({"near": [[0, 0]], "size_near": 1e-6}, "outline and holes must have 50,000 quad sides"),
     ],
 )
@@ -136,8 +134,7 @@ def test_fields_that_cannot_be_are_refused(given, words):
 
 def test_a_film_is_moved_before_it_is_meshed_along_the_path_of_the_tool(gmsh):
     asked = {"membrane.radius": 13.0, "membrane.size_at_path": 0.8}
-    there = read_model("opening", {**asked, "membrane.shift": [2.0, -1.0, -0.5]}).build()
-    mesh = there.simulation.mesh
+    mesh = read_model("opening", {**asked, "membrane.shift": [2.0, -1.0, -0.5]}).parts().mesh
     rim = mesh.nodes[mesh.node_set("rim")]
     np.testing.assert_allclose(rim.max(axis=0) + rim.min(axis=0), [4.0, -2.0, -1.0], atol=0.02)
     centre = mesh.nodes[mesh.quads].mean(axis=1)
@@ -169,65 +166,49 @@ def test_one_film_is_fine_under_the_paths_of_all_tools(gmsh):
     ("given", "words"),
     [
         ({"outline": 0.0}, "the radius must be positive and finite, got 0 mm"),
-        ({"outline": [[0, 0], [1, 0]]}, "outline must be three points or more"),
         ({"outline": 5.0}, "no cutting edge passes through the film during the motion: check"),
-        ({"tool": tooth_ring().translated((0, 0, 40.0))}, "no cutting edge passes through"),
         ({"size": 0.1}, "size must be size_at_path or more, 0.4 mm, got 0.1 mm: enlarge size"),
-        ({"size_at_path": 0.0}, "size_at_path must be positive, got 0.0 mm"),
         ({"holes": [[[0, 0], [30, 0], [0, 30]]]}, "holes must lie inside the outline"),
     ],
 )
 def test_films_that_cannot_be_along_a_path_are_refused(given, words):
     film = {"outline": 11.0, "tool": tooth_ring(), "motion": SCREW, "duration": 2e-3}
-    with pytest.raises(MeshError if "0.0" not in words else ValueError, match=words):
+    with pytest.raises(MeshError, match=words):
         film_along_path(**film | given)
 
 
-class TestModelFile:
-    def test_sizes_by_default_and_by_a_key(self, gmsh):
-        default = read_model("opening", {"mesh": "path"}).build().simulation.mesh
-        assert 700 < default.n_quad < 1000  # 922: the whole circle, at 0.4 mm
-        by_key = read_model("opening", {"mesh": "path", "membrane.size_at_path": 0.8})
-        assert by_key.build().simulation.mesh.n_quad < 450
-        python = opening_test("path").simulation.mesh
-        np.testing.assert_array_equal(python.nodes, default.nodes)
+def film_of_model(keys):
+    return read_model("opening", keys).parts().mesh
 
-    def test_discs_outlines_and_holes(self, gmsh):
-        hole = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
-        disc = {"membrane.radius": 15, "tool.radius": 13.4, "membrane.size_at_path": 0.8}
-        case = read_model("opening", disc | {"membrane.holes": [hole]}).build()
-        radii = np.hypot(*case.simulation.mesh.nodes[case.simulation.mesh.node_set("rim"), :2].T)
-        assert radii == pytest.approx(15.0, rel=1e-5)  # the polygon of 1,024 sides
-        assert "hole_1" in case.simulation.mesh.node_sets
-        square = {"membrane.outline": SQUARE, "membrane.size": 1.5}
-        plain = read_model("opening", square).build().simulation.mesh
-        alike = mesh_from_outline(SQUARE, size=1.5)
-        np.testing.assert_array_equal(plain.nodes, alike.nodes)
 
-    def test_a_structured_disc_of_any_radius(self):
-        disc = {"membrane.radius": 15, "tool.radius": 13.4, "membrane.n_side": 18}
-        assert read_model("opening", disc).build().simulation.mesh.n_quad == 468
+def test_films_of_model_files(gmsh):
+    default = film_of_model({"mesh": "path"})
+    assert 700 < default.n_quad < 1000  # 922: the whole circle, at 0.4 mm
+    np.testing.assert_array_equal(opening_test("path").simulation.mesh.nodes, default.nodes)
+    assert film_of_model({"mesh": "path", "membrane.size_at_path": 0.8}).n_quad < 450
+    large = {"membrane.radius": 15, "tool.radius": 13.4}
+    hole = {"membrane.size_at_path": 0.8, "membrane.holes": [[[-1, -1], [1, -1], [1, 1], [-1, 1]]]}
+    disc = film_of_model(large | hole)
+    radii = np.hypot(*disc.nodes[disc.node_set("rim"), :2].T)
+    assert radii == pytest.approx(15.0, rel=1e-5)  # the polygon of 1,024 sides
+    assert "hole_1" in disc.node_sets
+    assert film_of_model(large | {"membrane.n_side": 18}).n_quad == 468  # structured
+    plain = film_of_model({"membrane.outline": SQUARE, "membrane.size": 1.5})
+    np.testing.assert_array_equal(plain.nodes, mesh_from_outline(SQUARE, size=1.5).nodes)
 
-    @pytest.mark.parametrize(
-        ("given", "words"),
-        [
-            ({"membrane.size_at_path": 0.4}, "size_at_path is for a disc meshed by Gmsh, but"),
-            ({"membrane.radius": 9, "membrane.n_layer": 4}, "n_layer needs n_side; without both"),
-            (
-                {"membrane.radius": 9, "membrane.n_side": 9, "membrane.size": 1},
-                "size is for a disc meshed by Gmsh, but n_side",
-            ),
-            ({"membrane.radius": 5}, "no cutting edge passes through the film during the motion"),
-            (
-                {"membrane.file": __file__, "membrane.size_at_path": 0.4},
-                r"\[membrane\].size_at_path is for films that Gmsh meshes from an outline; a film "
-                "from a file keeps its mesh: leave it out, or set refine",
-            ),
-        ],
-    )
-    def test_keys_that_do_not_go_together(self, given, words):
-        with pytest.raises(ModelFileError, match=words):
-            read_model("opening", given).build()
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"size_at_path": 0.4}, "size_at_path is for a disc meshed by Gmsh, but"),
+        ({"radius": 9, "n_layer": 4}, "n_layer needs n_side; without both"),
+        ({"radius": 9, "n_side": 9, "size": 1}, "size is for a disc meshed by Gmsh, but n_side"),
+        ({"file": __file__, "size_at_path": 0.4}, "films that Gmsh meshes .* leave it out, or set"),
+    ],
+)
+def test_keys_that_do_not_go_together(given, words):
+    with pytest.raises(ModelFileError, match=words):
+        read_model("opening", {f"membrane.{name}": one for name, one in given.items()}).build()
 
 
 @pytest.mark.parametrize(("size", "told"), [(1.5, True), (0.4, False)])

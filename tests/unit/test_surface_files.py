@@ -6,7 +6,6 @@ import meshio
 import numpy as np
 import pytest
 
-from damaged import samples
 from shellcut.formats.errors import FileError
 from shellcut.formats.obj import read_obj
 from shellcut.formats.ply import read_ply
@@ -41,212 +40,133 @@ def binary_stl(header=b"a box"):
     return header.ljust(80) + struct.pack("<I", len(BOX)) + records
 
 
-class TestStl:
-    @pytest.mark.parametrize(
-        "content",
-        [
-            binary_stl(),
-            binary_stl(b"solid of text noise: facet normal vertex"),
-            binary_stl(bytes(range(128, 208))),
-            text_stl().encode(),
-            text_stl("facet vertex 1 2 3 endsolid").encode(),
-            ("\n" + text_stl().upper().replace("\n", "\r\n")).encode(),
-            text_stl(solids=3).encode(),
-        ],
-    )
-    def test_binary_and_text_whatever_the_header(self, tmp_path, content):
-        path = tmp_path / "box.stl"
-        path.write_bytes(content)
-        surface = read_stl(path)
-        assert surface.triangles.shape == (12, 3)
-        assert volume(surface) == pytest.approx(8.0, rel=1e-12)  # round-off
-
-    def test_files_of_meshio(self, tmp_path):
-        for binary in (False, True):
-            path = tmp_path / "box.stl"
-            meshio.stl.write(path, meshio.Mesh(CORNERS, {"triangle": BOX}), binary=binary)
-            assert volume(read_stl(path)) == pytest.approx(8.0, rel=1e-12)
-
-    def test_what_is_written_is_read_by_others(self, tmp_path):
-        path = tmp_path / "box.stl"
-        write_stl(path, CORNERS, BOX, header="a box")
-        other = meshio.stl.read(path)
-        assert len(other.cells_dict["triangle"]) == 12
-        assert other.points.max(axis=0).tolist() == [4.0, 2.0, 1.0]
-        assert volume(read_stl(path)) == pytest.approx(8.0, rel=1e-12)
-
-    @pytest.mark.parametrize(
-        ("content", "words"),
-        [
-            (binary_stl()[:-1], "12 declared and data for 11.98; is it cut short"),
-            (binary_stl() + b"x" * 50, "12 declared and data for 13"),
-            (b"\0" * 84, "empty, or has only zero bytes"),
-            (b"x" * 80 + bytes(4) + b"x", "0 declared"),
-            (text_stl()[:-20].encode(), "cut short|must be followed"),
-            (
-                text_stl().replace("endfacet", "endfact", 1).encode(),
-                "line 8: 'endloop' must be followed",
-            ),
-            (text_stl().replace("e+00", "e+zz", 1).encode(), "line 4: a vertex must have three"),
-            (b"solid x\nvertex 1 2\n", "'solid' must be followed by 'facet or endsolid'"),
-            (b"hello", "must begin with 'solid'"),
-        ],
-    )
-    def test_refusals(self, tmp_path, content, words):
-        path = tmp_path / "box.stl"
-        path.write_bytes(content)
-        with pytest.raises(FileError, match=words):
-            read_stl(path)
+def box_by_meshio(path, binary):
+    meshio.Mesh(CORNERS, {"triangle": BOX}).write(path, binary=binary)
+    return path.read_bytes()
 
 
 OBJ = "# a box\nmtllib box.mtl\no box\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
+OTHERS = "vn 0 0 1\nvt 0 0\ng side\nusemtl steel\ns off\n"
+PLY_HEAD = "ply\nformat ascii 1.0\nelement vertex 8\n"
+PLY_HEAD += "".join(f"property double {axis}\n" for axis in "xyz")
+PLY_HEAD += "element face 12\nproperty list uchar int vertex_indices\nend_header\n"
+PLY_BODY = "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS)
+PLY_BODY += "".join("3 " + " ".join(map(str, t)) + "\n" for t in BOX)
+PLY = PLY_HEAD + PLY_BODY
+BIG_ENDIAN = b"ply\nformat binary_big_endian 1.0\ncomment x\nelement vertex 8\nproperty float x\n"
+BIG_ENDIAN += b"property float y\nproperty float z\nproperty uchar red\nelement face 6\n"
+BIG_ENDIAN += b"property list uchar int vertex_indices\nproperty float quality\nend_header\n"
+BIG_ENDIAN += b"".join(struct.pack(">3fB", *corner, 7) for corner in CORNERS.tolist())
+BIG_ENDIAN += b"".join(struct.pack(">B4if", 4, *side, 0.5) for side in SIDES.tolist())
 
 
-class TestObj:
-    @pytest.mark.parametrize(
-        "faces",
-        [
-            "".join("f " + " ".join(str(v + 1) for v in t) + "\n" for t in BOX),
-            "".join("f " + " ".join(f"{v + 1}/1/2" for v in t) + "\n" for t in BOX),
-            "".join("f " + " ".join(f"{v - 8}//3" for v in t) + "\n" for t in BOX),
-            "".join("f " + " \\\n ".join(str(v + 1) for v in s) + " # side\n" for s in SIDES),
-        ],
-    )
-    def test_faces_of_all_kinds(self, tmp_path, faces):
-        path = tmp_path / "box.obj"
-        path.write_text(OBJ + "vn 0 0 1\nvt 0 0\ng side\nusemtl steel\ns off\n" + faces)
-        surface = read_obj(path)
-        assert surface.triangles.shape == (12, 3)
-        assert volume(surface) == 8.0
-        assert bool(surface.notes) == ("side" in faces)
-
-    @pytest.mark.parametrize(
-        ("add", "words"),
-        [
-            ("", "there must be faces"),
-            ("f 1 2\n", "f must have three corners"),
-            ("f 1 2 x\n", "must name a vertex, got 'x'"),
-            ("f 1 2 0\n", "must name a vertex, got '0'"),
-            ("f 1 2 99\n", "name existing vertices, but faces 0"),
-            ("f 1 2 -9\n", "must name a vertex, got '-9'"),
-            ("v 0 1 0.5\nf 1 2 9 4 3\n", "faces must be convex, but faces 0"),
-            ("f 1 2 3 \\\n", "must not continue"),
-            ("v 1 2\n", "v must have three numbers"),
-            ("surf 0 1 0 1\n", "'surf' is not read"),
-        ],
-    )
-    def test_refusals(self, tmp_path, add, words):
-        path = tmp_path / "box.obj"
-        path.write_text(OBJ + add)
-        with pytest.raises(FileError, match=words):
-            read_obj(path)
-
-    def test_vertices_without_faces_are_said(self, tmp_path):
-        path = tmp_path / "box.obj"
-        path.write_text(OBJ + "f 1 2 3\n")
-        assert read_obj(path).notes == ["5 vertices belong to no face: is the file cut short?"]
+def faces(corner, polygons=BOX, after=""):
+    """Return faces of an OBJ file, each corner written by a function."""
+    return "".join(f"f {' '.join(map(corner, one))}{after}\n" for one in polygons)
 
 
-class TestPly:
-    @pytest.mark.parametrize("binary", [False, True])
-    def test_files_of_meshio(self, tmp_path, binary):
-        path = tmp_path / "box.ply"
-        meshio.ply.write(path, meshio.Mesh(CORNERS, {"triangle": BOX}), binary=binary)
-        assert volume(read_ply(path)) == 8.0
-
-    def test_big_endian_with_further_properties(self, tmp_path):
-        head = "ply\nformat binary_big_endian 1.0\ncomment x\nelement vertex 8\n"
-        head += "property float x\nproperty float y\nproperty float z\nproperty uchar red\n"
-        head += "element face 6\nproperty list uchar int vertex_indices\nproperty float quality\n"
-        body = b"".join(struct.pack(">3fB", *corner, 7) for corner in CORNERS.tolist())
-        body += b"".join(struct.pack(">B4if", 4, *side, 0.5) for side in SIDES.tolist())
-        path = tmp_path / "box.ply"
-        path.write_bytes(head.encode() + b"end_header\n" + body)
-        surface = read_ply(path)
-        assert volume(surface) == 8.0
-        assert surface.notes == ["6 faces with more than three corners are triangulated"]
-        for damaged, words in (
-            (body[:-1], "cut short"),
-            (body + bytes(21), "must end after the content"),
-        ):
-            path.write_bytes(head.encode() + b"end_header\n" + damaged)
-            with pytest.raises(FileError, match=words):
-                read_ply(path)
-
-    @pytest.mark.parametrize(
-        ("old", "new", "words"),
-        [
-            ("ply\n", "plx\n", "from 'ply' to 'end_header'"),
-            ("ascii", "asciii", "format must be one of"),
-            ("double x", "double a", "vertex with x, y and z"),
-            ("double x", "quad x", "this line of the header is invalid: 'property quad x'"),
-            ("element face 12", "element face 13", "cut short"),
-            ("element v", "element odd 1000000000\nelement v", "got 1,000,000,000 of odd without"),
-            ("element face", "element face 0\nelement face", "each element must occur once"),
-            ("double x", "list uchar double x", "vertex with x, y and z"),
-            ("element face 12", "element face 11", "must end after the content"),
-            ("element vertex 8", "element vertex 7", "there must be .*numbers|faces must name"),
-            ("4.0 2.0 1.0", "4.0 2.0 one", "there must be .*numbers"),
-        ],
-    )
-    def test_refusals(self, tmp_path, old, new, words):
-        path = tmp_path / "box.ply"
-        text = "ply\nformat ascii 1.0\nelement vertex 8\n"
-        text += "".join(f"property double {axis}\n" for axis in "xyz")
-        text += "element face 12\nproperty list uchar int vertex_indices\nend_header\n"
-        text += "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS)
-        text += "".join("3 " + " ".join(map(str, t)) + "\n" for t in BOX)
-        path.write_text(text)
-        assert volume(read_ply(path)) == 8.0
-        path.write_text(text.replace(old, new, 1))
-        with pytest.raises(FileError, match=words):
-            read_ply(path)
+READERS = {"stl": read_stl, "obj": read_obj, "ply": read_ply}
 
 
-TOOTH = samples.TOOLS["OBJ text"][1]().decode()
-TOOTH = TOOTH[TOOTH.index("v ") :]  # without the comment, which has points of its own
-TOOTH_PLY = samples.TOOLS["PLY text"][1]().decode()
+def read(tmp_path, ending, content):
+    path = tmp_path / f"box.{ending}"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return READERS[ending](path)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("ending", "content"),
     [
-        (lambda text: text.replace(".", ". ", 1), "the weight of a vertex must be 1, got '0.02'"),
-        (lambda text: text.replace(".", ". ", 2), "v must have three numbers"),
-        (lambda text: "v 1 2 3 0.5\n" + text, "the weight of a vertex must be 1, got '0.5'"),
-        (lambda text: "v 1 2 3 1\n" + text, "the same for all v"),
-        (lambda text: "v 1_0 2 3\n" + text, "v must have three numbers"),
+        ("stl", binary_stl()),
+        ("stl", binary_stl(b"solid of text noise: facet normal vertex")),
+        ("stl", binary_stl(bytes(range(128, 208)))),
+        ("stl", text_stl()),
+        ("stl", text_stl("facet vertex 1 2 3 endsolid")),
+        ("stl", "\n" + text_stl().upper().replace("\n", "\r\n")),
+        ("stl", text_stl(solids=3)),
+        ("obj", OBJ + OTHERS + faces(lambda v: f"{v + 1}")),
+        ("obj", OBJ + OTHERS + faces(lambda v: f"{v + 1}/1/2")),
+        ("obj", OBJ + OTHERS + faces(lambda v: f"{v - 8}//3")),
+        ("obj", OBJ + OTHERS + faces(lambda v: f"\\\n {v + 1}", SIDES, " # side")),
+        ("ply", PLY),
+        ("ply", PLY_HEAD + " ".join(PLY_BODY.split())),
+        ("ply", BIG_ENDIAN),
     ],
 )
-def test_obj_vertices_are_all_alike(tmp_path, change, told):
-    path = tmp_path / "a.obj"
-    path.write_text(change(TOOTH))
-    with pytest.raises(FileError) as refusal:
-        read_obj(path)
-    assert told in str(refusal.value)
+def test_a_box_in_every_form(tmp_path, ending, content):
+    surface = read(tmp_path, ending, content)
+    assert surface.triangles.shape == (12, 3)
+    assert volume(surface) == pytest.approx(8.0, rel=1e-12)  # round-off
+    sides = content == BIG_ENDIAN or "# side" in str(content)
+    told = ["6 faces with more than three corners are triangulated"]
+    assert surface.notes == (told if sides else [])
 
 
-def test_obj_with_weights_or_colours_is_read(tmp_path):
-    path = tmp_path / "a.obj"
-    path.write_text(TOOTH)
-    plain = read_obj(path)
-    for more in (" 1.0", " 0.5 0.5 1", " 0.5 0.5 1 1"):
-        lines = [f"{t}{more}" if t.startswith("v ") else t for t in TOOTH.splitlines()]
-        path.write_text("\n".join(lines) + "\n")
-        np.testing.assert_array_equal(read_obj(path).vertices, plain.vertices)
+def test_other_programs(tmp_path):
+    for ending in ("stl", "ply"):
+        for binary in (False, True):
+            content = box_by_meshio(tmp_path / f"other.{ending}", binary)
+            assert volume(read(tmp_path, ending, content)) == pytest.approx(8.0, rel=1e-12)
+    write_stl(tmp_path / "ours.stl", CORNERS, BOX, header="a box")
+    other = meshio.stl.read(tmp_path / "ours.stl")
+    assert len(other.cells_dict["triangle"]) == 12
+    assert other.points.max(axis=0).tolist() == [4.0, 2.0, 1.0]
 
 
-def test_ply_lines_are_told_by_their_numbers(tmp_path):
-    path = tmp_path / "a.ply"
-    path.write_text(TOOTH_PLY)
-    n_triangle = len(read_ply(path).triangles)
-    lines = TOOTH_PLY.splitlines()
-    first = lines.index("end_header") + 1
-    x, y, z = lines[first + 2].split()
-    lines[first + 2] = f"{x} {y}"
-    lines[first + 3] = f"{z} {lines[first + 3]}"
-    path.write_text("\n".join(lines) + "\n")
-    with pytest.raises(FileError, match=rf"vertex in line {first + 3} of the file has fewer value"):
-        read_ply(path)
-    path.write_text(TOOTH_PLY[: TOOTH_PLY.index("end_header") + 11] + " ".join(lines[first:]))
-    assert len(read_ply(path).triangles) == n_triangle
+def changed(old, new):
+    assert old in PLY
+    return PLY.replace(old, new, 1)
+
+
+@pytest.mark.parametrize(
+    ("ending", "content", "words"),
+    [
+        ("stl", binary_stl()[:-1], "12 declared and data for 11.98; is it cut short"),
+        ("stl", binary_stl() + b"x" * 50, "12 declared and data for 13"),
+        ("stl", b"\0" * 84, "empty, or has only zero bytes"),
+        ("stl", b"x" * 80 + bytes(4) + b"x", "0 declared"),
+        ("stl", text_stl()[:-20], "cut short|must be followed"),
+        ("stl", text_stl().replace("endfacet", "endfact", 1), "line 8: 'endloop' must be followed"),
+        ("stl", text_stl().replace("e+00", "e+zz", 1), "line 4: a vertex must have three"),
+        ("stl", b"solid x\nvertex 1 2\n", "'solid' must be followed by 'facet or endsolid'"),
+        ("stl", b"hello", "must begin with 'solid'"),
+        ("obj", OBJ, "there must be faces"),
+        ("obj", OBJ + "f 1 2\n", "f must have three corners"),
+        ("obj", OBJ + "f 1 2 x\n", "must name a vertex, got 'x'"),
+        ("obj", OBJ + "f 1 2 0\n", "must name a vertex, got '0'"),
+        ("obj", OBJ + "f 1 2 99\n", "name existing vertices, but faces 0"),
+        ("obj", OBJ + "f 1 2 -9\n", "must name a vertex, got '-9'"),
+        ("obj", OBJ + "v 0 1 0.5\nf 1 2 9 4 3\n", "faces must be convex, but faces 0"),
+        ("obj", OBJ + "f 1 2 3 \\\n", "must not continue"),
+        ("obj", OBJ + "v 1 2\n", "v must have three numbers"),
+        ("obj", OBJ + "v 1_0 2 3\n", "v must have three numbers"),
+        ("obj", "v 1 2 3 0.5\n", "the weight of a vertex must be 1, got '0.5'"),
+        ("obj", OBJ + "v 1 2 3 1\n", "the same for all v"),
+        ("obj", OBJ + "surf 0 1 0 1\n", "'surf' is not read"),
+        ("ply", changed("ply\n", "plx\n"), "from 'ply' to 'end_header'"),
+        ("ply", changed("ascii", "asciii"), "format must be one of"),
+        ("ply", changed("double x", "double a"), "vertex with x, y and z"),
+        ("ply", changed("double x", "quad x"), "line of the header is invalid: 'property quad x'"),
+        ("ply", changed("face 12", "face 13"), "cut short"),
+        ("ply", changed("element v", "element odd 10\nelement v"), "got 10 of odd without"),
+        ("ply", changed("element f", "element face 0\nelement f"), "each element must occur once"),
+        ("ply", changed("double x", "list uchar double x"), "vertex with x, y and z"),
+        ("ply", changed("face 12", "face 11"), "must end after the content"),
+        ("ply", changed("vertex 8", "vertex 7"), "there must be .*numbers|faces must name"),
+        ("ply", changed("4.0 2.0 1.0", "4.0 2.0 one"), "there must be .*numbers"),
+        ("ply", changed(" 0.0\n4.0", "\n0.0 4.0"), "vertex in line .* of the file has fewer value"),
+        ("ply", BIG_ENDIAN[:-1], "cut short"),
+        ("ply", BIG_ENDIAN + bytes(21), "must end after the content"),
+    ],
+)
+def test_refusals(tmp_path, ending, content, words):
+    with pytest.raises(FileError, match=words):
+        read(tmp_path, ending, content)
+
+
+def test_obj_vertices_without_faces_are_said_and_weights_and_colours_passed_over(tmp_path):
+    for more in ("", " 1.0", " 0.5 0.5 1", " 0.5 0.5 1 1"):
+        text = OBJ.replace("\nv", f"{more}\nv")[:-1]
+        surface = read(tmp_path, "obj", f"{text}{more}\nf 1 2 3\n")
+        assert surface.notes == ["5 vertices belong to no face: is the file cut short?"]
+        np.testing.assert_array_equal(surface.vertices, CORNERS)

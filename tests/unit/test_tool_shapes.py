@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.tool import Tool, ToolError
+from shellcut.tool.tool import ToolError
 
 RADIUS, HALF_THICKNESS, LENGTH, HEIGHT, CLEARANCE = 9.4, 0.35, 1.5, 5.0, 0.02
 SLOPE = np.tan(np.radians(12.0))
@@ -53,25 +53,20 @@ class TestToothRing:
         np.testing.assert_allclose(first[0], [RADIUS, 0.0, CLEARANCE], atol=1e-12)
         assert first[-1, 2] == pytest.approx(HEIGHT + CLEARANCE, abs=1e-12)
 
-    @pytest.mark.parametrize("eta_deg", [40.0, 60.0, 80.0, 90.0])
-    def test_chords_of_the_edge_stay_near_the_cylinder(self, eta_deg):
-        tool = tooth_ring(edge_inclination_deg=eta_deg)
-        middle = tool.vertices[tool.edges].mean(axis=1)
-        assert np.abs(np.hypot(middle[:, 0], middle[:, 1]) - RADIUS).max() < 1e-3
-        assert np.linalg.norm(np.diff(tool.vertices[tool.edges], axis=1), axis=2).max() < 0.5
-
     @pytest.mark.parametrize("eta_deg", [40.0, 60.0, 90.0])
-    @pytest.mark.parametrize("z", [0.3, 0.8, 2.1, 3.9])
-    def test_section_is_the_stated_wedge(self, eta_deg, z):
+    def test_section_is_the_stated_wedge(self, eta_deg):
         tool = tooth_ring(edge_inclination_deg=eta_deg)
-        s, n = unwrapped(section_points(tool, CLEARANCE + z))
-        d = z / np.tan(np.radians(eta_deg)) - s
-        length = tooth_length(z, eta_deg)
-        # slanting edges of the facets span up to 0.3 mm of arc: 1.1e-3 mm, measured
-        np.testing.assert_allclose(np.abs(n), half_width(d), atol=2e-3)
-        assert d.min() == pytest.approx(0.0, abs=1e-3)
-        assert d.max() == pytest.approx(length, abs=1e-3)
-        assert np.ptp(n) == pytest.approx(2.0 * half_width(length), abs=4e-3)
+        chords = tool.vertices[tool.edges].mean(axis=1)
+        assert np.abs(np.hypot(chords[:, 0], chords[:, 1]) - RADIUS).max() < 1e-3
+        for z in (0.3, 0.8, 2.1, 3.9):
+            s, n = unwrapped(section_points(tool, CLEARANCE + z))
+            d = z / np.tan(np.radians(eta_deg)) - s
+            length = tooth_length(z, eta_deg)
+            # slanting edges of the facets span up to 0.3 mm of arc: 1.1e-3 mm, measured
+            np.testing.assert_allclose(np.abs(n), half_width(d), atol=2e-3)
+            assert d.min() == pytest.approx(0.0, abs=1e-3)
+            assert d.max() == pytest.approx(length, abs=1e-3)
+            assert np.ptp(n) == pytest.approx(2.0 * half_width(length), abs=4e-3)
 
     @pytest.mark.parametrize(("eta_deg", "relief_deg"), [(60.0, 30.0), (90.0, 30.0), (35.0, 0.0)])
     def test_volume_is_that_of_the_straight_tooth(self, eta_deg, relief_deg):
@@ -101,13 +96,9 @@ class TestToothRing:
         n = np.hypot(centre[:, 0], centre[:, 1]) - RADIUS
         flank = tool.flank != 0
         np.testing.assert_array_equal(np.sign(n[flank]), tool.flank[flank])
-
-    def test_flanks_end_at_bottom_back_and_top(self):
-        tool = tooth_ring()
-        centre = tool.vertices[tool.triangles].mean(axis=1)
         radial = centre * [1.0, 1.0, 0.0] / np.hypot(centre[:, 0], centre[:, 1])[:, None]
         sideways = np.abs((tool.triangle_normals * radial).sum(axis=1)) > 0.5
-        np.testing.assert_array_equal(tool.flank != 0, sideways)
+        np.testing.assert_array_equal(flank, sideways)  # not bottom, back and top
 
     def test_teeth_are_turned_copies_in_order(self):
         tool = tooth_ring(n_teeth=3, phase_deg=15.0)
@@ -116,13 +107,6 @@ class TestToothRing:
         np.testing.assert_allclose(angle, [15.0, 135.0, 255.0], atol=1e-9)
         np.testing.assert_array_equal(tool.edge_body, tool.edge_chain)
         np.testing.assert_allclose(tool.volume(), tool.volume()[0], rtol=1e-12)
-
-    @pytest.mark.parametrize("n_teeth", [1, 4])
-    def test_edges_are_found_again_by_angle(self, n_teeth):
-        tool = tooth_ring(n_teeth=n_teeth)
-        again = Tool.from_triangles(tool.vertices, tool.triangles)
-        np.testing.assert_array_equal(again.edges, tool.edges)
-        np.testing.assert_array_equal(again.flank, tool.flank)
 
     @pytest.mark.parametrize(
         "parameters",
@@ -136,6 +120,7 @@ class TestToothRing:
             {"relief_deg": 73.0},
             {"radius": 1.2, "n_teeth": 1, "height": 2.0, "length": 0.5},
             {"n_arc": 40},
+            {"n_arc": 11},  # the fewest
         ],
     )
     def test_shapes_of_all_sorts_are_sound_and_well_labelled(self, parameters):
@@ -187,19 +172,10 @@ class TestStraightBlade:
         ),
         (tooth_ring, {"n_teeth": 14}, "14 teeth overlap: each takes 26.7 of 25.7 degrees"),
         (tooth_ring, {"half_thickness": 9.5}, "half_thickness = 9.5 must be below radius = 9.4"),
-        (
-            tooth_ring,
-            {"relief_deg": 80.0},
-            "the relief rises by length * tan(relief_deg) = 8.507 mm",
-        ),
-        (tooth_ring, {"n_arc": 5}, "0.001 mm or more beside"),
+        (tooth_ring, {"relief_deg": 80.0}, "relief rises by length * tan(relief_deg) = 8.507 mm"),
         (tooth_ring, {"n_arc": 5}, "use at least 11"),
     ],
 )
 def test_what_is_no_tool_is_refused(build, parameters, told):
     with pytest.raises(ToolError, match=re.escape(told)):
         build(**parameters)
-
-
-def test_the_fewest_segments_of_an_edge_are_enough():
-    assert (tooth_ring(n_arc=11).edge_chain == 0).sum() == 11

@@ -10,7 +10,6 @@ from typing import get_type_hints
 import pytest
 
 import shellcut
-from shellcut.models import Case, free_cut
 from shellcut.models.options import CutOptions, ModelOptions
 from shellcut.recording.run_options import RunArguments, RunOptions
 
@@ -58,18 +57,3 @@ def test_the_names_are_those_of_the_simulation_and_of_the_run():
     assert get_type_hints(RunArguments) == get_type_hints(RunOptions)
     for name, hint in get_type_hints(shellcut.Simulation.__init__).items():
         assert get_type_hints(CutOptions).get(name, hint) == hint, name
-
-
-@pytest.mark.parametrize(
-    ("function", "options"),
-    [
-        *(
-            (model, "CutOptions")
-            for model in (shellcut.opening_test, shellcut.guillotine, free_cut)
-        ),
-        *((model, "ModelOptions") for model in (shellcut.trouser, shellcut.oscillating)),
-        *((method, "RunArguments") for method in (Case.run, Case.recorder, shellcut.Recorder)),
-    ],
-)
-def test_every_option_has_a_type(function, options):
-    assert inspect.signature(function).parameters["options"].annotation == f"Unpack[{options}]"

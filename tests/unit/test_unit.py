@@ -32,27 +32,16 @@ from shellcut.view.snapshot import SnapshotSeries
     ("unit", "to", "factor"),
     [
         ("N*m", "N*mm", 1000.0),
-        ("N·m", "N*mm", 1000.0),
-        ("Nm", "N*mm", 1000.0),
         ("N cm", "N*mm", 10.0),
         ("mNm", "N*mm", 1.0),
-        ("lbf*in", "N*mm", 112.9848290276167),
         ("in-lb", "N*mm", 112.9848290276167),
         ("ozf*in", "N*mm", 7.061551814226043),
         ("kgf*cm", "N*mm", 98.0665),
-        ("lb", "N", 4.4482216152605),
         ("MilliMeter", "mm", 1.0),
         ("Ell", "mm", None),
         ("Grad", "rad", pi / 180.0),
         ("°", "deg", 1.0),
-        ("gon", "deg", 0.9),
-        ("rad", "deg", 180.0 / pi),
-        ("INCH", "mm", 25.4),
-        ("µm", "mm", 1e-3),
-        ("ms", "s", 1e-3),
-        ("N/mm²", "MPa", 1.0),
         ("N/m²", "MPa", 1e-6),
-        ("kgf/mm²", "MPa", 9.80665),
         ("kgf / cm^2", "MPa", 0.0980665),
         ("lbf/in2", "psi", 1.0),
         ("kg/mm²", "MPa", None),  # of mass
@@ -64,9 +53,7 @@ from shellcut.view.snapshot import SnapshotSeries
         ("in/in", "-", 1.0),
         ("mm/m", "-", 1e-3),
         ("µm/m", "%", 1e-4),
-        ("kN/mm^2", "MPa", 1000.0),
         ("psi", "MPa", 0.006894757293168361),
-        ("mm/mm", "-", 1.0),
         ("nm", "N*mm", None),
         ("MN", "N", None),
     ],
@@ -79,44 +66,34 @@ def test_factors(unit, to, factor):
         assert conversion(unit, to) == pytest.approx(factor, rel=1e-12)
 
 
-def test_every_unit_is_its_own_name_in_one_dimension():
+def test_units_have_one_name_and_one_dimension_and_factors_are_the_nearest_doubles():
     for what, sizes in DIMENSIONS.items():
         for unit in sizes:
             assert (canonical(unit), dimension(unit)) == (unit, what)
         assert LIBRARY_UNITS[what] in sizes
-
-
-def test_factors_are_the_nearest_doubles():
+    with pytest.raises(ValueError, match=r"unit of force .*got 'Nmm', one of torque"):
+        conversion("Nmm", "N")
     # Angles of motions in a table are multiplied by them: pi is a double, the rest is exact.
     assert conversion("deg", "rad") == pi / 180.0
     assert conversion("turn", "rad") == 2.0 * pi
     assert conversion("rad", "deg") == 180.0 / pi
     assert conversion("mil", "um") == 25.4
-
-
-def test_the_wrong_dimension_is_said():
-    with pytest.raises(ValueError, match=r"unit of force .*got 'Nmm', one of torque"):
-        conversion("Nmm", "N")
+    assert with_unit(12345.6, "N*mm") == "12,346 N·mm"  # four digits or all before the point
+    assert with_unit(-0.0, "deg") == "0°"
 
 
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [
-        ("43.5 kJ/m^2", "N/mm", 43.5),
         ("43.5 kJ/m²", "N/mm", 43.5),
         ("0.92 g/cm3", "t/mm^3", 9.2e-10),
-        ("920 kg/m^3", "t/mm^3", 9.2e-10),
-        ("12 um", "mm", 0.012),
         ("12µm", "mm", 0.012),
         ("1.678 GPa", "MPa", 1678.0),
-        ("1678 N/mm^2", "MPa", 1678.0),
         ("6 m/s", "mm/s", 6000.0),
         ("9.81 m/s^2", "mm/s^2", 9810.0),
-        ("1e-3 N*m", "N*mm", 1.0),
         ("0.25 turn", "deg", 90.0),
         ("-.5", "mm", -0.5),
         ("2 inch", "mm", 50.8),
-        ("1 in", "mm", 25.4),
         ("100 gon", "deg", 90.0),
         ("1 kgf*m", "N*mm", 9806.65),
         ("180 degrees/s", "deg/s", 180.0),
@@ -132,16 +109,10 @@ def test_the_very_double_of_the_decimal(text, unit, value):
     [
         ("43.5 kJ/m^2", "MPa", "must be a number in MPa, got '43.5 kJ/m^2', which is in N/mm"),
         ("3 mm", "", "must be a number without a unit, got '3 mm', which is in mm"),
-        ("3 s", "mm/s", "must be a number in mm/s, got '3 s', which is in s"),
         ("3 m/s^2", "", "must be a number without a unit, got '3 m/s^2', which is in mm/s^2"),
-        (
-            "62 lb/ft3",
-            "t/mm^3",
-            "which is in N/mm^3: lb and kp are forces here, give the mass in t, kg or g",
-        ),
+        ("62 lb/ft3", "t/mm^3", "lb and kp are forces here, give the mass in t, kg or g"),
         ("3 furlong", "mm", "must have a unit made of um, mm, cm"),
         ("twelve", "mm", "must be a number in mm, got 'twelve'"),
-        ("", "mm", "must be a number in mm, got ''"),
         ("1,5 mm", "mm", "got '1,5 mm'"),
     ],
 )
@@ -176,17 +147,12 @@ SHORT += ["--set", "travel=3", "--set", "output.rows=40", "--frames", "4", "--no
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """One run twice: in inches, and in the units of the library."""
+def out(tmp_path_factory):
+    """A run in inches; beside it the same in the units of the library."""
     folder = tmp_path_factory.mktemp("runs")
     for name, asked in (("us", ["--shown-in", "in, lbf, psi"]), ("si", [])):
         assert main(["run", "guillotine", "-o", str(folder / name), *SHORT, *asked]) == 0
-    return folder
-
-
-@pytest.fixture(scope="module")
-def out(runs):
-    return runs / "us"
+    return folder / "us"
 
 
 @pytest.mark.parametrize(
@@ -194,17 +160,14 @@ def out(runs):
     [
         ("mm", "", "mm", 1.0),
         ("mm", "in, lbf", "in", MM),
-        ("N", "in, lbf", "lbf", N),
         ("N*mm", "in, lbf", "lbf*in", N * MM),
         ("N·mm", "lbf", "lbf*mm", N),
         ("N/mm", "in, lbf", "lbf/in", N / MM),
-        ("mm^2", "in", "in^2", MM * MM),
         ("mm/s", "in", "in/s", MM),
         ("MPa", "in, lbf", "lbf/in^2", N / MM**2),
         ("MPa", "in, lbf, psi", "psi", N / MM**2),
         ("in", "in", "in", 1.0),
         ("deg", "in, lbf", "deg", 1.0),
-        ("%", "in, lbf", "%", 1.0),
         ("", "in, lbf", "", 1.0),
     ],
 )
@@ -223,12 +186,13 @@ def test_only_units_are_taken(capsys):
     assert "--shown-in: must have a unit made of" in capsys.readouterr().err
 
 
-def test_files_are_the_same(runs):
-    us, si = runs / "us", runs / "si"
+def test_files_are_the_same(out):
+    folders = out, out.with_name("si")
     for name in ("history.csv", "splits.csv", "used.toml"):
-        assert (us / name).read_bytes() == (si / name).read_bytes()
+        one, other = ((folder / name).read_bytes() for folder in folders)
+        assert one == other
     of_the_machine = {"wall_s", "ns_per_quad_step", "pictures_s", "digest"}
-    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (us, si)]
+    summaries = [json.loads((folder / "summary.json").read_text()) for folder in folders]
     one, other = ({k: v for k, v in s.items() if k not in of_the_machine} for s in summaries)
     assert one == other
 
@@ -241,26 +205,22 @@ INCH = r"[\d.]+ in"
     ("command", "said"),
     [
         (
-            ["resume", "OUT"],
-            [
-                rf"^crack length +{INCH}$",
-                r"^force to cut +at most [\d.]+ lbf, at [\d.]+ in; ",
-                r"^damping .* lbf·in +\d",
-            ],
+            "resume OUT",
+            [rf"^crack length +{INCH}$", r"^force to cut +at most [\d.]+ lbf, at [\d.]+ in; "],
         ),
         (
-            ["preview", "guillotine", "-o", "OUT/../model.png", *SHORT[:8]],
+            f"preview guillotine -o OUT/../model.png {' '.join(SHORT[:8])}",
             [r"quads with sides of [\d.]+ to [\d.]+ in, 0\.0\d+ in², "],
         ),
         (
-            ["compare", "OUT", "OUT/../measured.csv"],
+            "compare OUT OUT/../measured.csv",
             [rf"path [\d.]+ to {INCH}, ", r"^peak force +0\.5 lbf +[\d.]+ lbf"],
         ),
     ],
 )
 def test_the_terminal(command, said, out, capsys):
     (out.parent / "measured.csv").write_text(MEASURED)
-    words = [word.replace("OUT", str(out)) for word in command]
+    words = [word.replace("OUT", str(out)) for word in command.split()]
     assert main([*words, "--shown-in", "in, lbf"]) == 0
     printed = capsys.readouterr().out
     for pattern in said:
@@ -277,32 +237,22 @@ def test_a_run_says_so_from_its_start_to_its_end(out):
         assert re.search(pattern, log), log
 
 
-PICTURES = {
-    "curve of the resistance": (
-        lambda results, path: results.plot_torque(path),
-        ["path [in]", "force [lbf]"],
-    ),
-    "energies": (lambda results, path: results.plot_energy(path), ["energy [lbf·in]"]),
-    "crack map": (
-        lambda results, path: draw_crack_map(path, list(results.frames())),
-        ["x [in]", "opened at path [in]"],
-    ),
-    "model": (
-        lambda _, path: preview(shellcut.guillotine(1.0, length=6.0).simulation, path, time=1e-3),
-        ["x [in]", "z [in]"],
-    ),
-}
-
-
-@pytest.mark.parametrize("which", PICTURES)
-def test_the_axes_of_pictures(which, out, tmp_path):
-    draw, words = PICTURES[which]
+def test_the_axes_of_pictures(out, tmp_path):
+    results, model = shellcut.read(out), shellcut.guillotine(1.0, length=6.0).simulation
     with matplotlib.rc_context({"svg.fonttype": "none"}), showing("in, lbf"):
-        draw(shellcut.read(out), tmp_path / "a.svg")
-    picture = (tmp_path / "a.svg").read_text(encoding="utf-8")
-    for word in words:
-        assert word in picture
-    assert "[mm]" not in picture
+        results.plot_torque(tmp_path / "resistance.svg")
+        results.plot_energy(tmp_path / "energies.svg")
+        draw_crack_map(tmp_path / "cracks.svg", list(results.frames()))
+        preview(model, tmp_path / "model.svg", time=1e-3)
+    for name, words in (
+        ("resistance", ["path [in]", "force [lbf]"]),
+        ("energies", ["energy [lbf·in]"]),
+        ("cracks", ["x [in]", "opened at path [in]"]),
+        ("model", ["x [in]", "z [in]"]),
+    ):
+        picture = (tmp_path / f"{name}.svg").read_text(encoding="utf-8")
+        assert [word in picture for word in words] == [True] * len(words), name
+        assert "[mm]" not in picture
 
 
 def test_a_snapshot_has_its_scale_and_its_bar_in_them(out):
@@ -347,8 +297,3 @@ def test_error_bars_and_a_search():
         assert "1.791 lbf·in as given, 1.593 lbf·in at best (-11.0 %)" in str(found)
         assert found.diagram().shown().unit == "lbf*in"
         assert np.nanmin(found.diagram().shown().curves[1].values) == pytest.approx(1.593, rel=1e-3)
-
-
-def test_a_number_keeps_four_digits():
-    assert with_unit(12345.6, "N*mm") == "12,346 N·mm"
-    assert with_unit(-0.0, "deg") == "0°"
