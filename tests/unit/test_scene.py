@@ -39,6 +39,7 @@ def near(image, color, tolerance=0.12):
 
 
 def membrane_only():
+    """A frame without tool and cut."""
     frame = opening_frame(0.0, n_side=6)
     left_out = ("tool", "edge", "cable", "crack", "scalar")
     names = [f.name for f in dataclasses.fields(Frame) if not f.name.startswith(left_out)]
@@ -145,78 +146,8 @@ def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
     np.testing.assert_allclose(at, [[50, 40, 0], [60, 40, 0], [50, 30, 0], [50, 40, 10]])
 
 
-@pytest.mark.parametrize("angle", [10.0, 30.0, 60.0])
-def test_the_close_camera_goes_with_the_tooth(angle):
-    frame = opening_frame(angle, n_side=20)
-    edge = frame.edge_points[:12]
-    whole = whole_camera([frame], (300, 400), Look())
-    camera = close_camera(frame, whole, (300, 400))
-    np.testing.assert_array_equal(camera.axes, whole.axes)
-    assert camera.scale > whole.scale
-    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
-    # most cables of this tooth, and its edge, are in the picture
-    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
-    shown = np.concatenate((edge, frame.cable_segments[near_tooth])).reshape(-1, 3)
-    at = camera.project(shown)[:, :2]
-    assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
-
-
-def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
-    path = tmp_path / "snap.png"
-    frame = opening_frame(45.0)
-    none = slice(0, 0)
-    uncut = dataclasses.replace(
-        frame,
-        cable_segments=frame.cable_segments[none],
-        cable_state=frame.cable_state[none],
-        cable_traction=frame.cable_traction[none],
-        cable_opening=frame.cable_opening[none],
-        tool_triangles=frame.tool_triangles[none],
-        tool_tooth=frame.tool_tooth[none],
-        crack_edges=frame.crack_edges[none],
-    )
-    counts = []
-    for shown in (frame, uncut):
-        draw_scene(path, shown, close_up=True, size=(800, 400))
-        image = pixels(path)
-        assert image.shape == (400, 800, 3)
-        right = image[50:350, 455:785]
-        orange, blue, flanks = (1.0, 0.55, 0.0), (0.0, 0.75, 1.0), (0.05, 0.05, 0.05)
-        colors = (orange, blue, EDGE_COLOR, flanks)
-        counts.append([near(right, color, 0.15) for color in colors])
-    drawn, missing = counts
-    # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)
-    assert drawn[0] > 200
-    assert drawn[1] > 10
-    assert min(drawn[2], missing[2]) > 40
-    assert drawn[3] > missing[3] + 80
-    assert missing[0] < 0.1 * drawn[0]  # yellow film
-    assert missing[1] == 0
-
-
-def test_a_membrane_alone_is_drawn_in_one_panel(tmp_path):
-    path = tmp_path / "snap.png"
-    draw_scene(path, membrane_only(), close_up=True, size=(360, 240))
-    assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
-
-
-def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
-    script = (
-        "import sys; sys.modules['matplotlib'] = None\n"
-        "import shellcut.view\n"
-        "try:\n"
-        "    shellcut.view.draw_curves('x.png', [])\n"
-        "except ImportError as error:\n"
-        "    print(error)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True
-    )
-    assert "pip install 'shellcut-fem[plot]'" in done.stdout
-
-
-@pytest.mark.parametrize("angle", [0.0, 45.0, 80.0])
-def test_the_close_up_holds_the_tooth_and_the_whole_holds_its_circle(angle):
+@pytest.mark.parametrize("angle", [0.0, 30.0, 80.0])
+def test_the_close_camera_goes_with_the_tooth_and_shows_all_of_it(angle):
     frame = opening_frame(angle, n_side=10)
     centre, radius = tooth_ball(frame)
     tooth = frame.tool_points[frame.tool_triangles[frame.tool_tooth == 1]].reshape(-1, 3)
@@ -227,6 +158,38 @@ def test_the_close_up_holds_the_tooth_and_the_whole_holds_its_circle(angle):
     height, width = whole.shape
     x, y, _ = whole.project(centre)
     assert whole.scale * radius < min(x, y, width - x, height - y)
+    camera = close_camera(frame, whole, (300, 400))
+    np.testing.assert_array_equal(camera.axes, whole.axes)
+    assert camera.scale > whole.scale
+    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
+    # most cables of this tooth, and its edge, are in the picture
+    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
+    shown = np.concatenate((frame.edge_points[:12], frame.cable_segments[near_tooth]))
+    at = camera.project(shown.reshape(-1, 3))[:, :2]
+    assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
+
+
+def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
+    frame = opening_frame(45.0)
+    left_out = ("cable_", "tool_triangles", "tool_tooth", "crack_edges")
+    names = [f.name for f in dataclasses.fields(Frame) if f.name.startswith(left_out)]
+    uncut = dataclasses.replace(frame, **{name: getattr(frame, name)[:0] for name in names})
+    orange, blue, flanks = (1.0, 0.55, 0.0), (0.0, 0.75, 1.0), (0.05, 0.05, 0.05)
+    counts = []
+    for shown in (frame, uncut):
+        draw_scene(tmp_path / "snap.png", shown, close_up=True, size=(800, 400))
+        image = pixels(tmp_path / "snap.png")
+        assert image.shape == (400, 800, 3)
+        right = image[50:350, 455:785]
+        counts.append([near(right, color, 0.15) for color in (orange, blue, EDGE_COLOR, flanks)])
+    drawn, missing = counts
+    # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)
+    assert drawn[0] > 200
+    assert drawn[1] > 10
+    assert min(drawn[2], missing[2]) > 40
+    assert drawn[3] > missing[3] + 80
+    assert missing[0] < 0.1 * drawn[0]  # yellow film
+    assert missing[1] == 0
 
 
 @pytest.mark.parametrize("colormap", ["viridis", "inferno", "turbo"])
@@ -244,11 +207,15 @@ def test_light_keeps_the_hue_of_the_map(colormap):
         assert np.ptp(factor) > 0.05
 
 
-def test_what_cannot_be_written_or_read_is_refused(tmp_path):
+def test_a_membrane_alone_is_drawn_in_one_panel_and_what_cannot_be_written_is_refused(tmp_path):
+    path = tmp_path / "snap.png"
+    draw_scene(path, membrane_only(), close_up=True, size=(360, 240))
+    assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
+    path.unlink()
     with pytest.raises(ValueError, match=r"ends with \.png, .*a page's with \.html; got 'a\.xyz'"):
         draw_scene(tmp_path / "a.xyz", membrane_only())
     with pytest.raises(ValueError, match=r"at least 160 x 160 pixels, got \(10, 10\)"):
-        draw_scene(tmp_path / "a.png", membrane_only(), size=(10, 10))
+        draw_scene(path, membrane_only(), size=(10, 10))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -268,32 +235,20 @@ def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, mon
     assert label == "largest principal stress [lbf/in²]"
 
 
-def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
-    draw_scene(tmp_path / "scene.png", FRAMES[2], size=SIZE)
-    image = pixels(tmp_path / "scene.png")
-    assert image.shape == (320, 480, 3)
-    drawn = image[35:260]  # without title and legend
-    without = dataclasses.replace(
-        FRAMES[2], edge_points=np.zeros((0, 2, 3)), edge_tooth=np.zeros(0, int)
-    )
-    draw_scene(tmp_path / "without.png", without, size=SIZE)
-    edges = near(drawn, EDGE_COLOR)
-    assert edges > 15
-    assert near(pixels(tmp_path / "without.png")[35:260], EDGE_COLOR) < 0.2 * edges
-    assert (drawn < 0.95).any(axis=2).mean() > 0.2
-    assert capfd.readouterr().err == ""
+# Of the film's largest stress in viridis.
+YELLOW = (0.95, 0.9, 0.2)
 
 
 @pytest.mark.parametrize(
     ("look", "color", "least", "most"),
     [
-        # Share of the picture that has the colour of the film's largest stress, viridis' yellow.
-        ({}, (0.95, 0.9, 0.2), 0.1, 0.9),
-        ({"field": "largest principal, bottom"}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"colormap": "inferno"}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"high": 1000.0}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"hide": ["film"]}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"zoom": 0.3}, (0.95, 0.9, 0.2), 0.005, 0.08),
+        # Share of the picture that has the colour.
+        ({}, YELLOW, 0.1, 0.9),
+        ({"field": "largest principal, bottom"}, YELLOW, 0.0, 0.01),
+        ({"colormap": "inferno"}, YELLOW, 0.0, 0.01),
+        ({"high": 1000.0}, YELLOW, 0.0, 0.01),
+        ({"hide": ["film"]}, YELLOW, 0.0, 0.01),
+        ({"zoom": 0.3}, YELLOW, 0.005, 0.08),
         ({}, EDGE_COLOR, 2e-4, 0.1),
         ({"hide": ["edges"]}, EDGE_COLOR, 0.0, 1e-4),
     ],
@@ -308,31 +263,29 @@ def test_a_look_is_kept(tmp_path, look, color, least, most):
 
 
 def test_parts_hide_what_they_name(tmp_path):
-    count = {}
-    for part in ("none", "tool", "mesh", "flanks", "cables"):
-        hide = [] if part == "none" else [part]
+    def drawn(*hide):
         draw_scene(tmp_path / "s.png", FRAMES[2], look=Look(hide=hide), size=SIZE)
-        count[part] = pixels(tmp_path / "s.png")[35:260]
+        return pixels(tmp_path / "s.png")[35:260]
+
+    whole = drawn()
     for part in ("tool", "mesh", "flanks", "cables"):
-        assert (np.abs(count[part] - count["none"]).max(axis=2) > 0.02).sum() > 40, part
+        assert (np.abs(drawn(part) - whole).max(axis=2) > 0.02).sum() > 40, part
 
 
 @pytest.mark.parametrize("of", ["quad", "node"])
 def test_smooth_colours_run_from_node_to_node_and_not_across_a_crack(of):
     frame = FRAMES[2]
-    field = fields_of(frame)["thickness" if of == "quad" else "displacement z"]
-    rng = np.random.default_rng(3)
-    values = rng.uniform(size=len(frame.quads if of == "quad" else frame.points))
-    field = dataclasses.replace(field, values=lambda _: values)
+    n, name = (len(frame.quads), "thickness") if of == "quad" else (len(frame.points), "speed")
+    values = np.random.default_rng(3).uniform(size=n)
+    field = dataclasses.replace(fields_of(frame)[name], values=lambda _: values)
     smooth, flat = (at_corners(field, frame, smooth) for smooth in (True, False))
     for node in frame.crack_edges[0].ravel():  # of one flank: the mean of its own quads
         at = frame.quads == node
         mean = values[at.any(axis=1)].mean() if of == "quad" else values[node]
         np.testing.assert_allclose(smooth[at], mean)
     assert np.ptp(flat, axis=1).max() == 0.0
-    np.testing.assert_allclose(
-        flat[:, 0], values if of == "quad" else values[frame.quads].mean(axis=1)
-    )
+    own = values if of == "quad" else values[frame.quads].mean(axis=1)
+    np.testing.assert_allclose(flat[:, 0], own)
 
 
 def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames():
@@ -356,9 +309,8 @@ def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames():
 
 
 def test_names_and_limits_of_fields():
-    frame = dataclasses.replace(
-        FRAMES[0], quad_principal=np.tile([4.0, -12.0], (len(FRAMES[0].quads), 1))
-    )
+    principal = np.tile([4.0, -12.0], (len(FRAMES[0].quads), 1))
+    frame = dataclasses.replace(FRAMES[0], quad_principal=principal)
     # sqrt(16 + 48 + 144) = 14.42
     np.testing.assert_allclose(Look(field="von Mises").field_of(frame).values(frame), np.sqrt(208))
     smallest = Look(field="smallest principal").field_of(frame)
@@ -372,10 +324,9 @@ def test_names_and_limits_of_fields():
     ]:
         with pytest.raises(ValueError, match=said):
             draw_scene("never.png", frame, look=Look(**wrong))
-    with pytest.raises(ValueError, match="hide must be") as refused:
+    wrong = r"hide must be .*got \['shaft'\](.|\n)*elevation must be(.|\n)*zoom must be positive"
+    with pytest.raises(ValueError, match=wrong):
         Look(hide=["shaft"], elevation=91.0, zoom=0.0)
-    for said in ("got ['shaft']", "elevation must be", "zoom must be positive"):
-        assert said in str(refused.value)
 
 
 @pytest.mark.parametrize("name", ["cut.gif", "cut.webp"])
@@ -437,35 +388,29 @@ def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
     assert said[-1] == "cut.gif: 100 %"
 
 
-def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys):
+def test_the_command_draws_the_frames_of_a_folder(tmp_path, capsys):
     folder = write_run(tmp_path / "run", "cut", [0.0, 1.0], [0.0, 5.0])
-    path = tmp_path / "cut.gif"
-    assert main(["view", str(folder), "-o", str(path), "--low", "0", "--high", "20"]) == 0
+    path, view = tmp_path / "cut.gif", ["view", str(folder)]
+    assert main([*view, "-o", str(path), "--low", "0", "--high", "20"]) == 0
     with pillow.open(path) as drawn:
         assert drawn.n_frames == shellcut.read(folder).n_frame
     out, err = capsys.readouterr()
     assert out.startswith(f"{path} (")
     assert "100 %" in err
-    assert main(["view", str(folder), "-o", "cut.gif", "--field", "tresca"]) == 2
-    err = capsys.readouterr().err
-    assert "got 'tresca'" in err
-    assert main(["view", str(folder), "--frame", "0"]) == 0
+    assert main([*view, "--frame", "0"]) == 0
     still = folder / "frame_0000.png"
     assert capsys.readouterr().out.startswith(f"{still} (")
-    assert main(["view", str(folder), "-o", str(tmp_path / "last.png")]) == 0
+    assert main([*view, "-o", str(tmp_path / "last.png")]) == 0
     assert (tmp_path / "last.png").read_bytes() == still.read_bytes()
-    capsys.readouterr()
-    assert main(["view", str(folder), "--frame", "9"]) == 2
-    assert "0 to 0, got 9" in capsys.readouterr().err
     for wrong, said in [
+        (["-o", "cut.gif", "--field", "tresca"], "got 'tresca'"),
+        (["--frame", "9"], "0 to 0, got 9"),
         (["-o", "a.gif", "--frame", "0"], "--frame belongs to a picture"),
         (["-o", "a.png", "--frames", "2"], "--frames belongs to page and movie"),
         (["-o", "a.html", "--size", "100", "80"], "the page fills its window"),
     ]:
-        assert main(["view", str(folder), *wrong]) == 2
+        assert main([*view, *wrong]) == 2
         assert said in capsys.readouterr().err
-    assert main(["view", str(tmp_path / "none")]) == 2
-    assert "none" in capsys.readouterr().err
 
 
 def test_what_a_movie_needs_is_told(tmp_path, monkeypatch):
