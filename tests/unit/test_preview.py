@@ -26,21 +26,24 @@ from shellcut.tool.shapes import tooth_ring
 
 def test_a_picture_of_both_poses_and_a_report(tmp_path):
     case = opening_test("quick")
-    sim = case.simulation
+    sim, picture = case.simulation, tmp_path / "model.png"
     before = sim.state.node.x.copy()
-    report = preview(sim, tmp_path / "model.png", time=case.duration)
-    assert (tmp_path / "model.png").stat().st_size > 20_000
-    assert "612 quads" in report
-    assert "4 bodies" in report
-    assert f"{sim.dt:.4g} s" in report
-    steps = int(re.search(r"at least ([\d,]+) steps to 6 ms", report).group(1).replace(",", ""))
+    report = preview(sim, picture, time=case.duration)
+    assert picture.stat().st_size > 20_000
+    quads = 'along sides of quads only (fracture.path = "edges")'
+    for said in ("612 quads", "4 bodies", f"{sim.dt:.4g} s", quads):
+        assert said in report
+    steps = int(re.search(r"at least ([\d,]+) steps to 6 ms", report)[1].replace(",", ""))
     assert steps == pytest.approx(case.duration / sim.dt, rel=0.05)
-    assert 'along sides of quads only (fracture.path = "edges")' in report
     np.testing.assert_array_equal(sim.state.node.x, before)
     # The quad of the shortest step.
     (worst,) = re.findall(r"quad (\d+) at \(\S+, \S+, 0\) mm: [\d.]+ of the median", report)
     squared = sim.shell.frequencies.squared
     assert squared[int(worst)] == squared.max()
+    for time in (-1.0, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="time must be finite and not negative"):
+            preview(sim, tmp_path / "never.png", time=time)
+    assert not (tmp_path / "never.png").exists()
 
 
 def test_sets_are_counted_with_their_pieces(tmp_path):
@@ -49,27 +52,39 @@ def test_sets_are_counted_with_their_pieces(tmp_path):
     assert "sets   of nodes: left 6 in 2 pieces, right 5, bottom 7, top 7" in report
 
 
-@pytest.mark.parametrize("pitch", [12.0, 40.0])
-def test_the_legend_hides_nothing(tmp_path, monkeypatch, pitch):
+@pytest.fixture
+def figures(monkeypatch):
+    """The figures that are saved."""
     kept = []
     monkeypatch.setattr(model_picture, "save", lambda figure, _: kept.append(figure))
-    case = opening_test("quick", pitch=pitch)  # with 40 mm the line on the edges is longer
-    preview(case.simulation, tmp_path / "model.png", time=case.duration)
-    (figure,) = kept
+    return kept
+
+
+def check_nothing_is_hidden_by(part, figure):
+    """Check that a legend or text covers neither axes nor other texts, and return its box."""
     figure.draw_without_rendering()
+    box = part.get_window_extent()
+    assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
+    others = [text for text in figure.texts if text is not part]
+    assert not any(box.overlaps(text.get_window_extent()) for text in others)
+    return box
+
+
+@pytest.mark.parametrize("pitch", [12.0, 40.0])
+def test_the_legend_hides_nothing(figures, pitch):
+    case = opening_test("quick", pitch=pitch)  # with 40 mm the line on the edges is longer
+    preview(case.simulation, "model.png", time=case.duration)
+    (figure,) = figures
     assert not any(axes.get_legend() for axes in figure.axes)
     (legend,) = figure.legends
-    box = legend.get_window_extent()
-    assert box.x0 > 0.0
-    assert box.x1 < figure.bbox.x1
-    assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
-    assert not any(box.overlaps(text.get_window_extent()) for text in figure.texts)
+    box = check_nothing_is_hidden_by(legend, figure)
+    assert 0.0 < box.x0 < box.x1 < figure.bbox.x1
     # The cutting edges lie above their path, as seen from above.
-    drawn = {artist.get_label(): artist for artist in figure.axes[0].get_children()}
+    drawn = {artist.get_label(): artist.get_zorder() for artist in figure.axes[0].get_children()}
     edges, path = (
         next(drawn[name] for name in drawn if part in name) for part in ("cutting", "path")
     )
-    assert edges.get_zorder() > path.get_zorder()
+    assert edges > path
 
 
 @pytest.mark.parametrize("fixed", [None, 1e-8])
@@ -107,23 +122,17 @@ def test_a_film_without_a_tool_is_drawn_once(tmp_path):
     assert (tmp_path / "film.svg").read_text().count("t = ") <= 1
 
 
-@pytest.mark.parametrize("time", [-1.0, float("nan"), float("inf")])
-def test_impossible_times_are_refused(tmp_path, time):
-    sim = opening_test("quick").simulation
-    with pytest.raises(ValueError, match="time must be finite and not negative"):
-        preview(sim, tmp_path / "never.png", time=time)
-    assert not (tmp_path / "never.png").exists()
-
-
 @pytest.fixture
 def drawn(monkeypatch):
     """What is given to the picture."""
     views = []
     # The package has a function of the name.
     module = importlib.import_module("shellcut.models.preview")
-    monkeypatch.setattr(
-        module, "draw_model", lambda parts, _, sweep, *__, **___: views.append((parts, sweep))
-    )
+
+    def draw(parts, _, sweep, *__, **___):
+        views.append((parts, sweep))
+
+    monkeypatch.setattr(module, "draw_model", draw)
     return views
 
 
@@ -175,26 +184,20 @@ def test_notch_and_supports_that_move_are_drawn(drawn):
     ((view, _),) = drawn
     assert np.abs(view.notch[:, :, 1:]).max() < 1e-12
     assert (view.notch[..., 0].min(), view.notch[..., 0].max()) == pytest.approx((0.0, 3.0))
-    (up, up_way), (down, down_way) = view.pulls
-    assert up[1] > 0.0 > down[1]
-    assert up_way.tolist() == [0.0, 0.0, 2500.0]
-    assert down_way.tolist() == [0.0, 0.0, -2500.0]
-    assert not up[[0, 2]].any()
-    assert not down[[0, 2]].any()
+    for (place, way), side in zip(view.pulls, (1.0, -1.0), strict=True):
+        assert place[1] * side > 0.0
+        assert not place[[0, 2]].any()
+        assert way.tolist() == [0.0, 0.0, 2500.0 * side]
 
 
-def test_the_picture_of_a_pull_tells_its_cost_below(tmp_path, monkeypatch):
-    kept = []
-    monkeypatch.setattr(model_picture, "save", lambda figure, _: kept.append(figure))
+def test_the_picture_of_a_pull_tells_its_cost_below(figures):
     case = trouser(1.0, length=10.0, notch=3.0)
-    report = preview(case.simulation, tmp_path / "model.png", time=case.duration)
-    (figure,) = kept
+    report = preview(case.simulation, "model.png", time=case.duration)
+    (figure,) = figures
     caption = next(text for text in figure.texts if "film  " in text.get_text())
     told = caption.get_text().splitlines()
     assert [line.split()[0] for line in told] == ["film", "run", "cracks"]
     assert set(told) <= set(report.splitlines())
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert {"notch", "2 supports that move"} <= set(labels)
-    figure.draw_without_rendering()
-    box = caption.get_window_extent()
-    assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
+    check_nothing_is_hidden_by(caption, figure)
