@@ -204,21 +204,20 @@ def test_the_report_of_a_search_has_what_was_found_and_the_runs(tmp_path, capsys
         Trial({"tool.teeth": 3}, "runs/b", 2.0, half_width=0.1),
         Trial({"tool.teeth": 9}, "runs/c", reason="teeth <overlap>"),
     )
-    optimum = Optimum("force_peak_N", 1, (), trials)
-    optimum.write(tmp_path)
-    assert main(["report", str(tmp_path)]) == 0
+    report = ["report", str(tmp_path)]
+    Optimum("force_peak_N", 1, (), trials).write(tmp_path)
+    assert main(report) == 0
     assert "report.html" in capsys.readouterr().out
     page = (tmp_path / "report.html").read_text()
     for said in ("tool.teeth = 3", "2 ± 0.1 N", "teeth &lt;overlap&gt;", "at best", "runs/"):
         assert said in page, said
     (tmp_path / OPTIMUM).write_text("{}")
-    assert main(["report", str(tmp_path)]) == 2
+    assert main(report) == 2
     assert "is not as shellcut writes it" in capsys.readouterr().err
-
-
-def test_runs_without_a_result_are_told_how_to_go_on(tmp_path, capsys):
+    # Runs without a result: how to go on.
+    (tmp_path / OPTIMUM).unlink()
     (tmp_path / "runs").mkdir()
-    assert main(["report", str(tmp_path)]) == 2
+    assert main(report) == 2
     said = capsys.readouterr().err
     assert "none of study.toml, fit.json, optimum.json" in said
     assert "call it again to continue" in said
