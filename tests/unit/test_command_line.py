@@ -9,6 +9,7 @@ import logging
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -111,7 +112,7 @@ def test_a_run_leaves_its_files_and_a_log_of_all_that_was_printed(out):
 def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
     said = (out.parent / "stdout").read_text().splitlines()
     patterns = [
-        r"film .* 24 quads.* quads with sides of 1 to 1 mm.*",
+        r"film .* 24 quads with sides of 1 to 1 mm.*",
         r"tool   1 body.*",
         r"time   about .*",
         r"crack length +[\d.]+ mm",
@@ -133,12 +134,13 @@ def test_the_verdict_is_the_same_everywhere(out, tmp_path, capsys):
     lines = [str(Line(**line)) for line in summary["verdict"]]
     # The blade comes no farther than its notch: doubted before, and shown after.
     assert lines[0].startswith("distrust: Before the run: there must be film to cut")
-    assert [line.split(":")[0] for line in lines] == sorted(
-        (line.split(":")[0] for line in lines), key=["distrust", "ok", "note"].index
-    )
+    kinds = [line.split(":")[0] for line in lines]
+    assert kinds == sorted(kinds, key=["distrust", "ok", "note"].index)
     assert set(lines) < {*(out / "run.log").read_text().splitlines()}
     assert main(["resume", str(out), "--verbose"]) == 0
-    assert set(lines) < {*capsys.readouterr().out.splitlines()}
+    said = capsys.readouterr().out
+    assert set(lines) < {*said.splitlines()}
+    assert f"{summary['tool_work_Nmm']:.4g} N·mm  100.0 %" in said
     assert "distrust: there must be film to cut" in (out.parent / "stderr").read_text()
     page = html.unescape(report_run(out, tmp_path / "r.html").read_text(encoding="utf-8"))
     assert all(line["text"] in page for line in summary["verdict"])
@@ -178,19 +180,6 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
     # Four figures of each are shown; what is left over is the imbalance, in per cent.
     missing = 0.01 * float(told[2] or 0.0) * work
     assert work - sum(map(float, energies.values())) == pytest.approx(missing, abs=2e-3 * work)
-
-
-def test_the_table_at_the_end_is_the_account_of_the_summary(out):
-    summary = json.loads((out / "summary.json").read_text())
-    said = (out.parent / "stdout").read_text()
-    rows = re.findall(r"^(\S.*?) +(\S+) N·mm +(\S+) %$", said, re.MULTILINE)
-    (words, work, whole), *became = rows
-    assert (words, float(whole)) == ("work of the tool", 100.0)
-    assert float(work) == pytest.approx(summary["tool_work_Nmm"], rel=5e-4)  # four digits
-    assert {words for words, *_ in became} >= {"stored in the film", "contact"}
-    # Shares that round to 0.0 % are left out.
-    assert sum(float(energy) for _, energy, _ in became) == pytest.approx(float(work), rel=2e-3)
-    assert sum(float(share) for *_, share in became) == pytest.approx(100.0, abs=0.5)
 
 
 @pytest.mark.parametrize(
@@ -297,19 +286,25 @@ def test_ctrl_c_before_a_run_ends_any_command_with_130_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("command", [["keys"], ["compare", "run", "measured.csv"]])
-def test_a_pipe_that_is_closed_stops_no_command(out, tmp_path, command):
-    (tmp_path / "measured.csv").write_text(MEASURED)
-    shutil.copytree(out, tmp_path / "run")
-    reading, writing = os.pipe()
-    os.close(reading)
-    command = [sys.executable, "-m", "shellcut", *command]
-    with open(writing, "wb") as pipe:
-        done = subprocess.run(
-            command, stdout=pipe, stderr=subprocess.PIPE, text=True, cwd=tmp_path, check=False
-        )
+def test_a_pipe_that_is_closed_stops_no_command(out, tmp_path, monkeypatch):
+    def closed():
+        reading, writing = os.pipe()
+        os.close(reading)
+        return open(writing, "wb", buffering=0)
+
+    with closed() as pipe:
+        command = [sys.executable, "-m", "shellcut", "keys"]
+        done = subprocess.run(command, stdout=pipe, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "run" / "comparison.json").exists() == ("compare" in command)
+    # What the command writes is written.
+    run, measured = shutil.copytree(out, tmp_path / "run"), tmp_path / "measured.csv"
+    measured.write_text(MEASURED)
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # as Python begins; Gmsh changes it
+    with closed() as pipe:
+        monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(pipe, write_through=True))
+        assert main(["compare", str(run), str(measured)]) == 0
+    assert (run / "comparison.json").exists()
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from shellcut import CohesiveLaw, guillotine
 from shellcut.command_line import main
 from shellcut.frame import Frame
 from shellcut.unit import showing
-from shellcut.view import Look, draw_movie, draw_scene, movie, progress, snapshot
+from shellcut.view import Look, draw_movie, draw_scene, movie, snapshot
 from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
 from shellcut.view.fields import at_corners, field_limits, fields_of
 from shellcut.view.snapshot import close_camera, tooth_ball, whole_camera
@@ -377,15 +377,6 @@ def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, monkeypatch)
         others = [*frames[:k], *frames[k + 1 :]]
         draw_scene(path, frame, size=SIZE, together_with=others, look=Look(low=0.0, high=15.0))
         np.testing.assert_array_equal(image, np.rint(255.0 * pixels(path)))
-
-
-def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
-    draw_movie(tmp_path / "cut.gif", FRAMES, size=(240, 160))
-    said = capsys.readouterr().err.splitlines()
-    assert [line.split(" %")[0] for line in said] == [f"cut.gif: {n}" for n in (0, 33, 66, 100)]
-    assert said[1].endswith(" left")
-    assert said[-1] == "cut.gif: 100 %"
 
 
 def test_the_command_draws_the_frames_of_a_folder(tmp_path, capsys):

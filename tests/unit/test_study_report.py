@@ -107,7 +107,8 @@ def test_every_section_is_there_with_its_inputs_figures_and_constants(page):
 
 
 def test_runs_that_their_verdict_distrusts_are_marked_wherever_they_are(tmp_path):
-    page = page_of(made(tmp_path / "s", THREE, doubted=(2, 5)))
+    doubts = {"doubts": lambda eta, pitch, other: np.isin(np.arange(len(eta)), (2, 5))}
+    page = page_of(made(tmp_path / "s", doubts | THREE, doubted=(2, 5)))
     said = [text for kind, text in sentences(page) if kind == "doubt"]
     assert said[0].startswith("2 of 24 done runs are distrusted by their own verdict")
     assert "The first: distrust: The motion is too &lt;fast&gt;." in said[0]

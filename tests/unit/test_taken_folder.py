@@ -69,14 +69,6 @@ def test_what_a_run_wrote_goes_and_all_else_stays(out):
     assert FileList(out).names == [HISTORY]
 
 
-def test_a_run_is_not_replaced_unasked(out):
-    run_before(out, HISTORY, "energy.png")
-    before = left(out)
-    with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
-        begin(out, [HISTORY], replace=False)
-    assert left(out) == before
-
-
 @pytest.mark.parametrize("replace", [False, True])
 def test_what_no_run_wrote_is_not_replaced_either(out, replace):
     out.mkdir()
