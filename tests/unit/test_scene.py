@@ -26,6 +26,8 @@ pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
 SIZE = (480, 320)
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+CORNER = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
+"""A triangle over half of a picture of 40 x 40 pixels."""
 
 
 def pixels(path):
@@ -64,10 +66,9 @@ class TestCanvas:
         np.testing.assert_allclose(canvas.depth, wanted, rtol=0.0, atol=9.0 * 2.0**-23)
 
     def test_values_run_from_corner_to_corner_and_light_follows_the_normal(self):
-        corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
         greys = np.linspace(0.0, 1.0, 256)[:, None] * np.ones(3)
         canvas = Canvas((40, 40))
-        canvas.draw(corners, greys, np.array([[0.0, 1.0, 0.5]]))
+        canvas.draw(CORNER, greys, np.array([[0.0, 1.0, 0.5]]))
         y, x = np.divmod(np.arange(40 * 40), 40)
         wanted = ((x + 0.5) + 0.5 * (y + 0.5)) / 40.0  # slow reference: barycentric
         seen = np.isfinite(canvas.depth)
@@ -76,15 +77,14 @@ class TestCanvas:
 
         def bright(normal):
             lit = Canvas((40, 40))
-            normals = np.broadcast_to(np.asarray(normal, float), (1, 3, 3))
-            lit.draw(corners, 0.5 * np.ones(3), normals=normals)
+            lit.draw(CORNER, 0.5 * np.ones(3), normals=np.tile(normal, (1, 3, 1)))
             return float(lit.color[0, 0])
 
-        aside = [0.3, -0.2, 0.9]
+        aside = np.array([0.3, -0.2, 0.9])
         assert bright(3.0 * LAMP) > bright([0.0, 0.0, 1.0]) > bright(aside)
         # The film has two sides alike; the length of a normal does not matter.
         for factor in (-1.0, 7.0):
-            assert bright(factor * np.array(aside)) == pytest.approx(bright(aside), rel=1e-6)
+            assert bright(factor * aside) == pytest.approx(bright(aside), rel=1e-6)
 
     def test_a_shadow_falls_where_the_lamp_does_not_see(self):
         square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
@@ -192,14 +192,12 @@ def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
     assert missing[1] == 0
 
 
-@pytest.mark.parametrize("colormap", ["viridis", "inferno", "turbo"])
+@pytest.mark.parametrize("colormap", ["viridis", "turbo"])
 def test_light_keeps_the_hue_of_the_map(colormap):
-    colors = Look(colormap=colormap).colors()
-    corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
     rng = np.random.default_rng(3)
-    for color in colors[::16]:
+    for color in Look(colormap=colormap).colors()[::16]:
         canvas = Canvas((40, 40))
-        canvas.draw(corners, color, normals=rng.normal(size=(1, 3, 3)))
+        canvas.draw(CORNER, color, normals=rng.normal(size=(1, 3, 3)))
         seen = canvas.color[np.isfinite(canvas.depth)]
         assert seen.max() <= 1.0 + 1e-6
         factor = seen @ color / (color @ color)
@@ -288,24 +286,21 @@ def test_smooth_colours_run_from_node_to_node_and_not_across_a_crack(of):
     np.testing.assert_allclose(flat[:, 0], own)
 
 
-def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames():
-    frame = opening_frame(30.0, n_side=10)
-    zero, stress = np.zeros(len(frame.quads)), frame.quad_principal[:, 0]
-    damage = fields_of(dataclasses.replace(frame, quad_history={"damage [-]": zero}))["damage"]
-    assert (damage.unit, damage.of) == ("-", "quad")
-    for arrays, sign, limits in (
-        ([zero], 0, (0.0, 1.0)),
+@pytest.mark.parametrize(
+    ("arrays", "sign", "limits"),
+    [
+        ([np.zeros(9)], 0, (0.0, 1.0)),
         ([np.array([]), np.array([])], 0, (0.0, 1.0)),
         ([np.full(3, 5.0)], 0, (0.0, 5.0)),
         ([np.full(4000, 1.0), np.append(np.zeros(4000), 1e3)], 1, (0.0, 1.0)),
         ([np.array([-3.0, 0.1])], -1, (-3.0, 0.0)),
-        ([-stress], 1, (0.0, 1.0)),
-    ):
-        assert field_limits(arrays, sign) == limits
-    low, high = field_limits([stress], 1)
-    assert low == 0.0
-    assert high in (15.0, 20.0)
-    assert (stress <= high).mean() > 0.99
+        ([-np.ones(9)], 1, (0.0, 1.0)),
+        # Of 100 values to 14.4 nearly all.
+        ([np.linspace(3.0, 14.4, 100)], 1, (0.0, 15.0)),
+    ],
+)
+def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames(arrays, sign, limits):
+    assert field_limits(arrays, sign) == limits
 
 
 def test_names_and_limits_of_fields():
@@ -313,6 +308,9 @@ def test_names_and_limits_of_fields():
     frame = dataclasses.replace(FRAMES[0], quad_principal=principal)
     # sqrt(16 + 48 + 144) = 14.42
     np.testing.assert_allclose(Look(field="von Mises").field_of(frame).values(frame), np.sqrt(208))
+    damaged = dataclasses.replace(frame, quad_history={"damage [-]": principal[:, 0]})
+    damage = fields_of(damaged)["damage"]
+    assert (damage.unit, damage.of) == ("-", "quad")
     smallest = Look(field="smallest principal").field_of(frame)
     values = [smallest.values(frame)]
     assert Look().limits_for(values, smallest.sign) == (-15.0, 0.0)
@@ -409,10 +407,11 @@ def test_what_a_movie_needs_is_told(tmp_path, monkeypatch):
         draw_movie(tmp_path / "cut.avi", [], size=(101, 50), fps=0.0)
     for said in (".mp4 or .webp or .gif", "one frame", "even numbers", "fps"):
         assert said in str(refused.value)
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    monkeypatch.setattr("shutil.which", lambda name: None)
-    with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[movie\]'"):
-        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "imageio_ffmpeg", None)
+        patch.setattr("shutil.which", lambda name: None)
+        with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[movie\]'"):
+            draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
     pytest.importorskip("imageio_ffmpeg", reason="needs shellcut-fem[movie]")
     with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)

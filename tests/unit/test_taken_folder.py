@@ -63,6 +63,10 @@ def test_what_a_run_wrote_goes_and_all_else_stays(out):
     mine = ["force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "snapshot_07.png"]
     mine += ["b_frames/mine.vtu", "notes/history.csv", "checkpoint.part.h5"]
     fill(out, *mine)
+    before = left(out)
+    with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
+        begin(out, [HISTORY], replace=False)
+    assert left(out) == before
     begin(out, [HISTORY])
     assert left(out) == sorted([*mine, FILES])
     assert not (out / "a_frames").exists()
