@@ -182,15 +182,6 @@ def test_what_is_not_there_is_said(tmp_path):
         _ = results.resistance_name
 
 
-def test_curves_are_drawn_from_what_was_read(run, tmp_path):
-    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
-    results, path = shellcut.read(run[0]), tmp_path / "ledger.png"
-    drawn = results.plot_torque(), results.plot_energy(path)
-    assert drawn == (run[0] / "force.png", path)
-    for path in drawn:
-        assert path.read_bytes().startswith(b"\x89PNG")
-
-
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
     frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
