@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from opening_frame import RADIUS, disc, opening_frame
 from shellcut import Mesh, ShellMaterial, Simulation
+from shellcut.fracture.open_edges import crack_edges
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.frame_capture import Exposure
 from shellcut.results.cut_quality import UNITS, cut_quality
@@ -90,7 +91,8 @@ def test_bridges_between_cracks():
     mesh = cut(straight(2, 8))
     at, twin = np.flatnonzero(mesh.origin == node(5, Y0 + 4))
     quads = np.where(mesh.quads == twin, at, mesh.quads)  # sewn together again
-    quality = cut_quality(frame_of(dataclasses.replace(mesh, quads=quads)))
+    sewn = {"quads": quads, "crack_edges": crack_edges(quads, mesh.origin)}
+    quality = cut_quality(dataclasses.replace(frame_of(mesh), **sewn))
     assert len(quality.cracks) == 2
     assert [bridge.width for bridge in quality.bridges] == [0.0]
     assert quality.crack_length == pytest.approx(6.0, rel=EXACT)

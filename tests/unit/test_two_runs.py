@@ -52,9 +52,17 @@ def going(tmp_path_factory):
         process.kill()
 
 
-@pytest.mark.parametrize("looked", [False, True])
+OVERWRITE = "run guillotine -o OUT --overwrite"
+
+
 @pytest.mark.parametrize(
-    "command", ["resume OUT", "run guillotine -o OUT --overwrite", "run guillotine -o OUT"]
+    ("command", "looked"),
+    [
+        ("resume OUT", False),
+        ("run guillotine -o OUT", False),
+        (OVERWRITE, False),
+        (OVERWRITE, True),
+    ],
 )
 def test_the_command_refuses(going, capsys, monkeypatch, command, looked):
     out, process = going
