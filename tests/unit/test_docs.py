@@ -1,6 +1,7 @@
 """The documents tell the truth: links, citations, tables. test_pages.py runs their code."""
 
 import ast
+import functools
 import importlib.util
 import json
 import re
@@ -237,6 +238,13 @@ def test_every_public_name_is_on_one_page_of_the_api():
     assert missing == []
 
 
+@functools.cache
+def sources():
+    """Return path and tree of each file of the package."""
+    paths = sorted((ROOT / "src").rglob("*.py"))
+    return [(path, ast.parse(path.read_text(encoding="utf-8"))) for path in paths]
+
+
 def is_kernel(node):
     return any(re.search("kernel|inline|apart", ast.unparse(d)) for d in node.decorator_list)
 
@@ -255,21 +263,21 @@ def test_pages_name_this_version(page, said):
     assert re.findall(said, (ROOT / page).read_text(encoding="utf-8"), re.M) == [here]
 
 
-def statements(path):
+def statements(tree):
     """Return how many statements a file has, docstrings not counted."""
-    tree = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
-    texts = [n for n in tree if isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant)]
+    nodes = list(ast.walk(tree))
+    texts = [n for n in nodes if isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant)]
     strings = [n for n in texts if isinstance(n.value.value, str)]
-    return sum(isinstance(n, ast.stmt) for n in tree) - len(strings)
+    return sum(isinstance(n, ast.stmt) for n in nodes) - len(strings)
 
 
 def test_packages_keep_to_their_budgets():
     table = (ROOT / "docs/architecture.md").read_text(encoding="utf-8").split("## Budgets")[1]
     budgets = {one: int(most) for one, most in re.findall(r"\| `(\w+)` \| (\d+) \|", table)}
     found = Counter()
-    for path in (ROOT / "src" / "shellcut").rglob("*.py"):
+    for path, tree in sources():
         package, *inside = path.relative_to(ROOT / "src" / "shellcut").parts
-        found[package if inside else "files_beside_the_packages"] += statements(path)
+        found[package if inside else "files_beside_the_packages"] += statements(tree)
     assert set(budgets) == set(found)
     over = {one: (n, budgets[one]) for one, n in found.items() if n > budgets[one]}
     assert over == {}, "statements, and what docs/architecture.md allows"
@@ -278,9 +286,8 @@ def test_packages_keep_to_their_budgets():
 def test_functions_are_short():
     # Kernels may be longer: each is one loop over rows, and what it calls is inlined anyway.
     long = {}
-    for path in sorted((ROOT / "src").rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(text)):
+    for path, tree in sources():
+        for node in ast.walk(tree):
             if not isinstance(node, ast.FunctionDef) or is_kernel(node):
                 continue
             first = node.body[min(ast.get_docstring(node) is not None, len(node.body) - 1)]
@@ -411,6 +418,5 @@ def packed_lines(tree):
 
 
 def test_code_is_not_packed():
-    sources = sorted((ROOT / "src").rglob("*.py"))
-    trees = ((path, ast.parse(path.read_text(encoding="utf-8"))) for path in sources)
-    assert [f"{path.name}:{line}" for path, tree in trees for line in packed_lines(tree)] == []
+    found = [f"{path.name}:{line}" for path, tree in sources() for line in packed_lines(tree)]
+    assert found == []

@@ -52,14 +52,15 @@ def going(tmp_path_factory):
         process.kill()
 
 
-OVERWRITE = "run guillotine -o OUT --overwrite"
+RUN = "run guillotine -o OUT"
+OVERWRITE = f"{RUN} --overwrite"
 
 
 @pytest.mark.parametrize(
     ("command", "looked"),
     [
         ("resume OUT", False),
-        ("run guillotine -o OUT", False),
+        (RUN, False),
         (OVERWRITE, False),
         (OVERWRITE, True),
     ],
