@@ -6,38 +6,29 @@ import re
 import numpy as np
 import pytest
 
-import shellcut
+import shellcut as sc
 from page_tables import table
-from shellcut import (
-    CohesiveLaw,
-    Contact,
-    Fracture,
-    ShellMaterial,
-    StraightMotion,
-    Support,
-    TableMotion,
-)
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
 from shellcut.tool.shapes import straight_blade
 
-FREE = Fracture(path="free")
+FREE = sc.Fracture(path="free")
 QUIET = {"progress": False, "curves": False, "n_frame": 2, "n_snapshot": 0}
-LDPE = shellcut.preset_film("ldpe", thickness="74 um")
-STRONG = CohesiveLaw(strength=14.0, opening_a=0.25, opening_p=1.5, opening_u=2.0)
+LDPE = sc.preset_film("ldpe", thickness="74 um")
+STRONG = sc.CohesiveLaw(strength=14.0, opening_a=0.25, opening_p=1.5, opening_u=2.0)
 WEAK = dataclasses.replace(STRONG, strength=7.0, plateau=6.0)
 
 
 def strip(*, size=0.8, to=6.6, speed=6000.0, half_thickness=0.3, length=8.0, held=(), **options):
     """Return a blade before a strip, 4.8 mm wide."""
     tool = straight_blade(length=8.0, height=3.0, half_thickness=half_thickness)
-    motion = StraightMotion((1.0, 0.0, 0.0), speed, ramp=3e-4)
+    motion = sc.StraightMotion((1.0, 0.0, 0.0), speed, ramp=3e-4)
     return free_cut(
         rectangle(length, 4.8, size=size),
         tool=tool.translated((-0.05, 0.0, 0.0)),
         motion=options.pop("motion", motion),
         duration=to / speed,
-        supports=[*held, *(Support.clamped(side) for side in ("bottom", "top"))],
+        supports=[*held, *(sc.Support.clamped(side) for side in ("bottom", "top"))],
         **options,
     )
 
@@ -49,7 +40,7 @@ def strip_cut(tmp_path_factory):
     def cut(**options):
         folder = tmp_path_factory.mktemp("cut")
         strip(**options).run(folder, **QUIET)
-        return shellcut.read(folder)
+        return sc.read(folder)
 
     return cut
 
@@ -66,7 +57,7 @@ def lines_with(run, said):
     ("entry", "options"),
     [
         ("material_dissipated", {"material": LDPE, "law": WEAK, "fracture": FREE}),
-        ("friction_work", {"contact": Contact(friction=0.5)}),
+        ("friction_work", {"contact": sc.Contact(friction=0.5)}),
     ],
 )
 def test_what_film_and_friction_take_is_counted_and_not_doubted(strip_cut, entry, options):
@@ -91,12 +82,12 @@ def test_film_that_cannot_give_way_beside_the_blade_is_doubted(strip_cut):
     # Held in its plane, it is pressed by half the blade's thickness along all of the cut.
     mesh, long = rectangle(14.4, 4.8, size=0.8), {"length": 14.4, "to": 9.4, "half_thickness": 0.5}
     beside = mesh.nodes_where(lambda x, y, z: np.abs(y) > 0.5)
-    flat = Support(beside, translation="z", rotation="xyz")
-    run = strip_cut(held=[flat], material=ShellMaterial.homogeneous(young=6000.0), **long)
+    flat = sc.Support(beside, translation="z", rotation="xyz")
+    run = strip_cut(held=[flat], material=sc.ShellMaterial.homogeneous(young=6000.0), **long)
     assert doubts(run) == [line["text"] for line in lines_with(run, "may not fold beside the tool")]
     assert run.summary["stored_growth_rel"] > 0.2
     # Nothing holds a thick film flat: it is as stiff beside the blade, by itself and in earnest.
-    run = strip_cut(material=ShellMaterial.homogeneous(thickness=0.3), **long)
+    run = strip_cut(material=sc.ShellMaterial.homogeneous(thickness=0.3), **long)
     figures = run.summary
     assert figures["bending_length_mm"] > figures["path_edge_mm"]
     assert figures["stored_growth_rel"] > 0.1
@@ -109,9 +100,9 @@ def test_film_that_cannot_give_way_beside_the_blade_is_doubted(strip_cut):
 
 
 def test_a_crack_that_leads_has_not_left_the_path(strip_cut):
-    foil = ShellMaterial.homogeneous(young=70000.0, density=2.7e-9, thickness=0.02)
+    foil = sc.ShellMaterial.homogeneous(young=70000.0, density=2.7e-9, thickness=0.02)
     way = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.5, 0.0, 0.0]]
-    there_and_back = TableMotion(3e-4 * np.arange(3), way)
+    there_and_back = sc.TableMotion(3e-4 * np.arange(3), way)
     for lead, options in (
         (3.2, {"material": foil, "to": 3.0, "speed": 12000.0}),
         (0.2, {"motion": there_and_back, "to": 3.6, "fracture": FREE}),
@@ -129,7 +120,7 @@ def test_a_film_that_yields_takes_the_same_along_edges_and_through_quads(law, st
     ((work, of_cables),) = [tuple(map(float, told)) for name, *told in rows if name == strength]
     took = []
     for path, number in (("edges", 1), ("free", 2)):
-        options = {"fracture": Fracture(path=path), "imperfection": number}
+        options = {"fracture": sc.Fracture(path=path), "imperfection": number}
         case = strip(size=0.4, material=LDPE, law=law, **options)
         simulation = case.simulation
         simulation.run(case.duration)
