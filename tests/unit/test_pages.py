@@ -223,6 +223,7 @@ PAGES = {
     "docs/howto/pierce.md": Page(said=r"0\.3909\d*\n0\.2162\d*\n{'piercing_force_1_N': 0\.393"),
     "docs/howto/read-results.md": Page((a_run,), said="Results of 'opening'", left="torque.png"),
     "docs/howto/resume.md": Page((a_stopped_run,), left="out/summary.json checkpoint.h5"),
+    "docs/howto/seal.md": Page(),
     "docs/howto/sharp.md": Page(
         said=r"radius 0\.02 mm severs cables at 14\.4 N/mm; from 0\.2625 mm", left="sharp"
     ),
