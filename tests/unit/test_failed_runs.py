@@ -4,8 +4,6 @@ import errno
 import json
 import os
 import shutil
-import signal
-import subprocess
 import sys
 
 import pytest
@@ -16,7 +14,7 @@ from notched_strip import cutting
 from same_run import assert_same_run
 from shellcut.command_line import main
 from shellcut.models import Case
-from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.recorder import Recorder
 from small_disk import REFUSAL, files_of_at_most
 
 MODEL = ["guillotine", "--set", "size=1", "--set", "membrane.length=6", "--set", "travel=0.6"]
@@ -185,40 +183,3 @@ def test_a_folder_taken_away_ends_the_run(tmp_path, monkeypatch, broken_run, tak
         assert main(["resume", str(tmp_path / "elsewhere")]) == 0
     elif take_away is replaced:
         assert {p.name for p in out.iterdir()} == {"history.csv"}
-
-
-# ------------------------------------------------------------------ killed at its end
-
-KILLED = """
-import os, signal, sys
-sys.path.insert(0, {tests!r})
-from notched_strip import cutting
-from shellcut.models import Case
-from shellcut import Results
-
-def kill(*_, **__):
-    os.kill(os.getpid(), signal.SIGKILL)
-
-Results.plot_energy = kill
-Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0, progress=False)
-"""
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path, monkeypatch):
-    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
-    monkeypatch.setattr(shellcut.recording.recorder, "can_draw", lambda: True)
-    whole, part = tmp_path / "whole", tmp_path / "part"
-    Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)
-    script = KILLED.format(tests=os.path.dirname(__file__), folder=str(part), end=8e-6)
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
-    assert done.returncode == -signal.SIGKILL, done.stderr.decode()
-    assert (part / "force.png").exists()
-    assert not (part / "energy.png").exists()
-    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
-    assert_same_run(part, whole)
-    for picture in whole.glob("*.png"):
-        assert (part / picture.name).read_bytes() == picture.read_bytes(), picture.name
-    # Now it has ended.
-    with pytest.raises(RunEnded):
-        Recorder(cutting(), part, until=8e-6, name="cut", resume=True, progress=False)
