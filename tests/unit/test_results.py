@@ -138,9 +138,7 @@ def test_a_run_that_was_killed_or_has_no_frame_yet(tmp_path):
 WRITER = """
 import dataclasses, sys, time
 sys.path.insert(0, {folder!r})
-from notched_strip import cutting
 from opening_frame import opening_frame
-from same_run import assert_same_run
 from shellcut.results.vtkhdf import VtkHdfWriter
 
 frames = [opening_frame(a, n_side=8) for a in (0.0, 30.0, 60.0)]
