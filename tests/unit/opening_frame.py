@@ -57,8 +57,7 @@ def tooth(angle, dive):
     front = np.stack((depth * slope, np.zeros(2), depth), 1)
     back = front - [LENGTH, 0.0, 0.0]
     back[0] = [front[0, 0] - LENGTH, 0.0, -dive + LENGTH * np.tan(np.radians(30.0))]
-    run = HALF_THICKNESS / np.tan(HALF_ANGLE)
-    run = min(run, 0.6 * LENGTH)
+    run = min(HALF_THICKNESS / np.tan(HALF_ANGLE), 0.6 * LENGTH)
     shoulder = front - [run, 0.0, 0.0]
     shoulder[0, 2] = -dive + run * np.tan(np.radians(30.0))
     side = np.array([0.0, HALF_THICKNESS, 0.0])
@@ -67,23 +66,14 @@ def tooth(angle, dive):
     triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
     triangles += [(0, 2, 4), (2, 6, 8), (2, 8, 4), (1, 5, 3), (3, 5, 9), (3, 9, 7)]
     steps = np.linspace(0.0, 1.0, 13)[:, None]
-    edge = front[0] + steps * (front[1] - front[0])
-    return (
-        _bend(p, angle),
-        np.array(triangles),
-        np.stack((_bend(edge[:-1], angle), _bend(edge[1:], angle)), 1),
-    )
+    edge = _bend(front[0] + steps * (front[1] - front[0]), angle)
+    return _bend(p, angle), np.array(triangles), np.stack((edge[:-1], edge[1:]), 1)
 
 
 def _bend(p, angle):
     theta = angle + p[:, 0] / RADIUS
     r = RADIUS + p[:, 1]
     return np.stack((r * np.cos(theta), r * np.sin(theta), p[:, 2]), 1)
-
-
-def _turn(angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
@@ -125,12 +115,11 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
     rr = r + shift
     points = np.stack((rr * np.cos(theta), rr * np.sin(theta), down), 1)
 
-    crack = []
     on = np.flatnonzero(np.abs(flat[:, 0] ** 2 + flat[:, 1] ** 2 - RADIUS**2) < 1e-6)
     on = on[np.argsort(np.arctan2(flat[on, 1], flat[on, 0]))]
-    for a, b in zip(on, np.roll(on, -1), strict=True):
-        if twin[a] != a or twin[b] != b:
-            crack.append(((a, b), (twin[a], twin[b])))
+    sides = np.stack((on, np.roll(on, -1)), axis=1)
+    opened = sides[(twin[sides] != sides).any(axis=1)]
+    crack = np.stack((opened, twin[opened]), axis=1)
 
     tools, triangles, edges, segments, state = [], [], [], [], []
     teeth, edge_teeth = [], []
@@ -156,9 +145,7 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
     nodal = 3.0 + 15.0 * near
     principal = nodal[quads].mean(1)
     stress = np.stack((principal, 0.3 * principal, 0.1 * principal), 1)
-    director = np.zeros_like(points)
-    director[:, 2] = 1.0
-    velocity = (points - reference) / 3.0e-3
+    c, s = np.cos(cut), np.sin(cut)
     return Frame(
         time=6.3e-5 * angle if time is None else time,
         coordinate=angle,
@@ -166,8 +153,8 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
         coordinate_unit="deg",
         points=points,
         reference=reference,
-        director=director,
-        velocity=velocity,
+        director=np.tile([0.0, 0.0, 1.0], (len(points), 1)),
+        velocity=(points - reference) / 3.0e-3,
         quads=quads,
         quad_stress=stress,
         quad_principal=np.stack((principal, 0.25 * principal), 1),
@@ -177,7 +164,7 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
         quad_principal_bottom=np.stack((0.5 * principal, -0.125 * principal), 1),
         quad_thickness=0.074 - 1e-5 * principal,
         held=r > 10.19,
-        crack_edges=np.array(crack, dtype=np.int64).reshape(-1, 2, 2),
+        crack_edges=crack,
         cable_segments=np.array(segments).reshape(-1, 2, 3),
         cable_state=np.array(state, dtype=np.int8),
         cable_traction=np.linspace(18.0, 12.0, len(segments)),
@@ -185,7 +172,7 @@ def opening_frame(angle=45.0, *, n_side=38, n_tooth=4, time=None):
         tool_points=np.vstack(tools),
         tool_triangles=np.vstack(triangles),
         tool_tooth=np.array(teeth),
-        tool_rotation=_turn(cut),
+        tool_rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]),
         tool_translation=np.array([0.0, 0.0, -dive]),
         edge_points=np.vstack(edges),
         edge_tooth=np.array(edge_teeth),

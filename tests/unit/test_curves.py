@@ -55,19 +55,16 @@ PARTS = {
 )
 def test_torque_with_its_parts_and_others(tmp_path, figures, second, teeth):
     path = tmp_path / "torque.png"
-    figures_of_run = {"torque_plateau_Nmm": 143.6, "torque_plateau_half_width_Nmm": 0.5}
-    figures_of_run |= {"window_from_deg": 27.44, "window_to_deg": 63.09}
+    mean_of = {"torque_plateau_Nmm": 143.6, "torque_plateau_half_width_Nmm": 0.5}
+    mean_of |= {"window_from_deg": 27.44, "window_to_deg": 63.09}
     history = PARTS | {"torque_tooth_2": second * TORQUE}
-    diagram = resistance_diagram(history, UNITS, figures_of_run)
-    diagram = dataclasses.replace(diagram, title="opening")
-    draw_curves(path, [diagram], dpi=50)
+    diagram = resistance_diagram(history, UNITS, mean_of)
+    draw_curves(path, [dataclasses.replace(diagram, title="opening")], dpi=50)
     assert path.stat().st_size > 1000
     (axes,) = figures[0].axes
-    assert axes.get_xlabel() == "angle [°]"
-    assert axes.get_ylabel() == "torque [N·mm]"
-    parts = [*teeth, "from contact", "from cables at the edge", "total"]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("angle [°]", "torque [N·mm]")
     mean = "mean over 27.4-63.1°: 143.6 ± 0.5 N·mm"
-    assert labels(axes) == [*parts, mean]
+    assert labels(axes) == [*teeth, "from contact", "from cables at the edge", "total", mean]
     assert axes.get_legend().get_title().get_text() == "opening"
     lines = {line.get_label(): line for line in axes.lines}
     assert lines[mean].get_xydata().tolist() == [[27.44, 143.6], [63.09, 143.6]]
@@ -77,8 +74,8 @@ def test_torque_with_its_parts_and_others(tmp_path, figures, second, teeth):
 
 
 def test_energy_is_stacked_and_the_imbalance_below(tmp_path, figures):
-    missed = {"imbalance": 1e-4 * WORK, "imbalance_rel": 1e-4 + 0.0 * WORK}
-    history = PARTS | missed | {"cohesive_work": 0.95 * WORK, "damping_mass": 0.05 * WORK}
+    history = PARTS | {"cohesive_work": 0.95 * WORK, "damping_mass": 0.05 * WORK}
+    history |= {"imbalance": 1e-4 * WORK, "imbalance_rel": 1e-4 + 0.0 * WORK}
     diagrams = [of(history, UNITS) for of in (energy_diagram, imbalance_diagram)]
     draw_curves(tmp_path / "energy.svg", diagrams)
     upper, lower = figures[0].axes
@@ -87,8 +84,7 @@ def test_energy_is_stacked_and_the_imbalance_below(tmp_path, figures):
     rim = upper.collections[1].get_paths()[0].vertices[:, 1].max()
     assert rim == pytest.approx(WORK[-1])
     assert (upper.get_ylabel(), lower.get_ylabel()) == ("energy [N·mm]", "imbalance [%]")
-    shown = lower.lines[0].get_ydata()
-    early = 0.1 * WORK[-1] > WORK
+    shown, early = lower.lines[0].get_ydata(), 0.1 * WORK[-1] > WORK
     assert early[0]
     assert np.isnan(shown[early]).all()
     assert shown[~early] == pytest.approx(0.01)
@@ -141,20 +137,18 @@ def test_teeth_go_through_the_film_along_the_circle(frames):
     for path in paths:
         np.testing.assert_allclose(np.hypot(path[:, 0], path[:, 1]), RADIUS, rtol=1e-3)
         np.testing.assert_allclose(path[:, 2], 0.0, atol=1e-12)
-    lifted = [
-        dataclasses.replace(f, edge_points=f.edge_points + np.array([0, 0, 9.0])) for f in frames
-    ]
+    above = np.array([0.0, 0.0, 9.0])
+    lifted = [dataclasses.replace(f, edge_points=f.edge_points + above) for f in frames]
     assert np.isnan(tooth_paths(lifted)).all()
-
-
-def test_a_curved_film_has_no_plane_to_go_through(frames):
-    bent = frames[0].reference * [1, 1, 0] + np.array([[0, 0, 1]]) * frames[0].reference[:, :1] ** 2
-    assert tooth_paths([dataclasses.replace(f, reference=bent) for f in frames[:1]]) == []
+    # A curved film has no plane to go through.
+    x, y, _ = frames[0].reference.T
+    bent = np.stack((x, y, x**2), axis=1)
+    assert tooth_paths([dataclasses.replace(frames[0], reference=bent)]) == []
 
 
 def test_the_picture_has_the_colours_of_early_and_late(tmp_path, frames):
-    image = pytest.importorskip("matplotlib.image", reason="needs shellcut-fem[plot]")
-    colormaps = pytest.importorskip("matplotlib").colormaps
+    from matplotlib import colormaps, image
+
     splits = {"blade": frames[-1].reference[frames[-1].crack_edges[::3, 0, 0]]}
 
     def colours(shown, **options):
@@ -162,18 +156,14 @@ def test_the_picture_has_the_colours_of_early_and_late(tmp_path, frames):
         pixels = image.imread(tmp_path / "map.png")[..., :3]
         assert pixels.shape[1] == 360
         plan = pixels[:, : int(0.86 * 360)]  # without the colour bar
-        when = np.searchsorted(ANGLES, 30.0) * 15.0 / 45.0
         return [
             int((np.abs(plan - colormaps["viridis"](u)[:3]).max(axis=2) < 0.06).sum())
-            for u in (15.0 / 45.0, when, 1.0)
+            for u in (15.0 / 45.0, 30.0 / 45.0, 1.0)
         ]
 
     # measured: about 100 pixels each
     assert min(colours(frames)) > 20
     assert min(colours(frames, splits=splits)) > 20
     assert colours(frames[:1]) == [0, 0, 0]
-
-
-def test_no_frames_are_refused(tmp_path):
     with pytest.raises(ValueError, match="at least one frame"):
         draw_crack_map(tmp_path / "map.png", [])

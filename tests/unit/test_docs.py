@@ -1,6 +1,7 @@
 """The documents tell the truth: links, citations, tables. test_pages.py runs their code."""
 
 import ast
+import functools
 import importlib.util
 import json
 import re
@@ -24,45 +25,35 @@ COMMANDS = ROOT / "src" / "shellcut" / "command_line"
 KEY = re.compile(r"\[([A-Z][A-Za-z]+(?:19|20)\d\d)\]")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_links_lead_somewhere(page):
-    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-        if not target.startswith("http"):
-            assert (page.parent / target).exists(), target
-
-
 @pytest.mark.parametrize("address", ["", "https://forge.example/films/shellcut"])
 def test_the_package_index_gets_links_that_lead_somewhere(tmp_path, address):
     pytest.importorskip("hatchling")
-    for path in [
-        "README.md",
-        "LICENSE",
-        ".ci/index_page.py",
-        "src/shellcut/scene_page/three/LICENSE",
-    ]:
+    license_of_three = "src/shellcut/scene_page/three/LICENSE"
+    for path in ["README.md", "LICENSE", ".ci/index_page.py", license_of_three]:
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / path, tmp_path / path)
-    settings = (ROOT / "pyproject.toml").read_text()
-    line = re.compile('^address = ""$', re.MULTILINE)
-    assert len(line.findall(settings)) == 1
-    (tmp_path / "pyproject.toml").write_text(line.sub(f'address = "{address}"', settings))
+    before, *after = re.split('^address = ""$', (ROOT / "pyproject.toml").read_text(), flags=re.M)
+    assert len(after) == 1
+    (tmp_path / "pyproject.toml").write_text(f'{before}address = "{address}"{after[0]}')
     command = [sys.executable, "-m", "hatchling", "metadata"]
     ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
     found = json.loads(ran.stdout)
-
-    links = re.findall(r"(!?)\[[^]]*\]\(([^)#]+)", found["readme"]["text"])
+    text = found["readme"]["text"]
+    links = re.findall(r"(!?)\[[^]]*\]\(([^)#]+)", text)
     links += [("", link) for name, link in found.get("urls", {}).items() if "/blob/" in link]
-    assert len(links) > 30 if address else links == []
-    for picture, link in links:
-        base = f"{address}/{'raw' if picture else 'blob'}/main/"
-        assert link.startswith(base), link
-        assert (ROOT / link.removeprefix(base)).exists(), link
-    if not address:
-        assert "urls" not in found
-        files = re.findall(r" \(`([^`]+)`\)", found["readme"]["text"])
+    if address:
+        assert len(links) > 30
+        files = []
+        for picture, link in links:
+            base = f"{address}/{'raw' if picture else 'blob'}/main/"
+            assert link.startswith(base), link
+            files.append(link.removeprefix(base))
+    else:
+        assert (links, "urls" in found) == ([], False)
+        files = re.findall(r" \(`([^`]+)`\)", text)
         assert len(files) > 20
-        assert [file for file in files if not (ROOT / file.partition("#")[0]).exists()] == []
+    assert [file for file in files if not (ROOT / file.partition("#")[0]).exists()] == []
 
 
 def slug(heading):
@@ -72,10 +63,13 @@ def slug(heading):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_links_lead_to_headings(page):
-    for target, anchor in re.findall(r"\]\(([^)#\s]*)#([^)\s]+)\)", page.read_text()):
+def test_links_lead_to_files_and_headings(page):
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", page.read_text()):
+        if target.startswith("http"):
+            continue
         path = page.parent / target if target else page
-        if path.suffix == ".md" and not target.startswith("http"):
+        assert path.exists(), target
+        if anchor and path.suffix == ".md":
             headings = re.findall(r"^#+ (.*)$", path.read_text(), re.M)
             assert anchor in map(slug, headings), f"{target}#{anchor}"
 
@@ -94,9 +88,15 @@ def test_every_citation_has_its_reference():
     assert {key: place for key, place in cited.items() if key not in known} == {}
 
 
-def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
+@pytest.fixture
+def docs(monkeypatch):
+    """Return what imports a script of docs/."""
     monkeypatch.syspath_prepend(ROOT / "docs")
-    page = importlib.import_module("command_line_page")
+    return importlib.import_module
+
+
+def test_the_reference_of_the_command_line_is_that_of_the_parser(docs):
+    page = docs("command_line_page")
     before, _, reference = page.PAGE.read_text(encoding="utf-8").partition(page.BEGIN)
     # else: python docs/command_line_page.py
     assert reference == page.reference()
@@ -105,30 +105,25 @@ def test_the_reference_of_the_command_line_is_that_of_the_parser(monkeypatch):
     assert re.findall(r"\| \[`(\w+)`\]\(#shellcut-\1\)", before) == commands
 
 
-def test_pages_of_theory_are_short():
-    pages = sorted((ROOT / "docs" / "theory").glob("*.md"))
-    texts = {page.name: page.read_text(encoding="utf-8") for page in pages}
+def test_pages_of_theory_are_short_and_have_one_figure():
     formulas = re.compile(r"(?ms)^ *```math.*?^ *```$")  # do not count
-    rows = {name: formulas.sub("", text).splitlines() for name, text in texts.items()}
-    assert {name: len(lines) for name, lines in rows.items() if len(lines) > 240} == {}
     # A line is one of 120 characters; rows of tables, and single links, may be longer.
     free = re.compile(r"\|.*|\W*\[\S+\W*")
-    wide = {
-        name: [row for row in lines if len(row) > 120 and not free.fullmatch(row)]
-        for name, lines in rows.items()
-    }
-    assert {name: lines for name, lines in wide.items() if lines} == {}
+    for page in sorted((ROOT / "docs" / "theory").glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        lines = formulas.sub("", text).splitlines()
+        assert len(lines) <= 240, page.name
+        wide = [row for row in lines if len(row) > 120 and not free.fullmatch(row)]
+        assert wide == [], page.name
+        assert text.count("![") == 1, page.name
 
 
-def test_pages_are_those_of_their_sources(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    module = importlib.import_module("materials_page")
-    # else: python docs/materials_page.py
+@pytest.mark.parametrize("script", ["materials_page", "references_page", "model_keys_page"])
+def test_pages_are_those_of_their_sources(docs, script):
+    module = docs(script)
+    # else: python docs/SCRIPT.py
     assert module.PAGE.read_text(encoding="utf-8") == module.page()
-    assert module.PICTURE.exists()
-    module = importlib.import_module("references_page")
-    # else: python docs/references_page.py
-    assert module.PAGE.read_text(encoding="utf-8") == module.page()
+    assert getattr(module, "PICTURE", module.PAGE).exists()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
@@ -144,37 +139,24 @@ def test_formulas_are_shown_by_github_and_the_site(page):
     assert re.findall(r"\w\0.*|.*\0[\w(]", beside) == []
 
 
-def test_the_page_of_the_keys_is_that_of_the_keys(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    module = importlib.import_module("model_keys_page")
-    page = module.PAGE.read_text(encoding="utf-8")
-    # else: python docs/model_keys_page.py
-    assert page == module.page()
-    # Every key of every model is on it, with its second name, and in its index.
+def test_the_page_of_the_keys_has_every_key_of_every_model(docs):
+    page = docs("model_keys_page").PAGE.read_text(encoding="utf-8")
     index, rest = page.split("## Before the first section")
-    for layout in (SECTIONS, LISTS):
-        for kinds in (kinds for of in layout.values() for kinds in of.values()):
-            for name, key in ((n, k) for kind in kinds for n, k in kind.keys.items()):
-                assert f"| `{name}` | [" in index
-                assert f"| `{name}`" in rest
-                assert not key.also or f"| `{key.also}` | [" in index
+    kinds = [kind for layout in (SECTIONS, LISTS) for of in layout.values() for kind in of.values()]
+    for name, key in (one for of in kinds for kind in of for one in kind.keys.items()):
+        assert f"| `{name}` | [" in index
+        assert f"| `{name}`" in rest
+        assert not key.also or f"| `{key.also}` | [" in index
     # Its links lead to its headings.
     headings = {h.strip("[]").lower().replace(" ", "-") for h in re.findall("## (.*)", page)}
     assert set(re.findall(r"\(#([\w-]+)\)", index)) == headings - {"a-to-z"}
 
 
-def test_drawings_of_the_theory_are_those_of_their_script(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    module = importlib.import_module("theory_pictures")
+def test_drawings_of_the_theory_are_those_of_their_script(docs):
+    module = docs("theory_pictures")
     for name, draw in module.PICTURES.items():
         # else: python docs/theory_pictures.py
         assert module.path(name).read_text(encoding="utf-8") == draw(), name
-
-
-def test_every_page_of_theory_has_one_figure():
-    pages = sorted((ROOT / "docs" / "theory").glob("*.md"))
-    figures = {page.name: page.read_text(encoding="utf-8").count("![") for page in pages}
-    assert {name: n for name, n in figures.items() if n != 1} == {}
 
 
 def written_from(page, text):
@@ -196,9 +178,8 @@ def is_made_or_tested(section):
     """Whether a section names a command that there is, or a file of tests."""
     tests = {path.name for path in (ROOT / "tests").rglob("test_*.py")}
     scripts = re.findall(r"python ((?:tests|docs|examples)/\S+?\.py)", section)
-    scripts += [
-        f"tests/{name.replace('.', '/')}.py" for name in re.findall(r"python -m ([\w.]+)", section)
-    ]
+    modules = re.findall(r"python -m ([\w.]+)", section)
+    scripts += [f"tests/{name.replace('.', '/')}.py" for name in modules]
     commands = re.findall(r"(?:^|`)shellcut (\w+)", section, re.MULTILINE)
     return (
         any((ROOT / script).exists() for script in scripts)
@@ -230,21 +211,19 @@ def test_every_stored_picture_is_shown():
 
 
 def test_the_site_has_every_page_and_the_start_page_leads_to_it():
-    text = (ROOT / "docs" / "conf.py").read_text(encoding="utf-8")
+    docs = ROOT / "docs"
+    text = (docs / "conf.py").read_text(encoding="utf-8")
     pages = ast.literal_eval(re.search(r"\nPAGES = (\{.*?\n\})\n", text, re.S)[1])
     listed = {name for names in pages.values() for name in names}
-    stored = {path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")}
-    stored = {path.with_suffix("").as_posix() for path in stored if "gallery" not in path.parts}
+    stored = {path.relative_to(docs).with_suffix("") for path in docs.rglob("*.md")}
+    stored = {path.as_posix() for path in stored if "gallery" not in path.parts}
     chapters = {name for name in stored if name.startswith("verification/")}
-    cases = (
-        (ROOT / "docs" / "verification.md").read_text("utf-8").partition("## Published cases")[2]
-    )
+    cases = (docs / "verification.md").read_text("utf-8").partition("## Published cases")[2]
     assert chapters == set(re.findall(r"\]\((verification/[\w-]+)\.md\)", cases))
-    stored -= chapters
-    assert stored - {"index"} == listed - {"api/index", "gallery/index"}
-    start = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    linked = {target.removesuffix(".md") for target in re.findall(r"\]\(([\w/-]+\.md)\)", start)}
-    assert linked == stored - {"index"}
+    stored -= chapters | {"index"}
+    assert stored == listed - {"api/index", "gallery/index"}
+    start = (docs / "index.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"\]\(([\w/-]+)\.md\)", start)) == stored
 
 
 def test_every_public_name_is_on_one_page_of_the_api():
@@ -257,6 +236,13 @@ def test_every_public_name_is_on_one_page_of_the_api():
     assert set(pages) <= set(listed)
     missing = [one for one in shown if not re.search(rf"^   {one[9:]}\b", index, re.MULTILINE)]
     assert missing == []
+
+
+@functools.cache
+def sources():
+    """Return path and tree of each file of the package."""
+    paths = sorted((ROOT / "src").rglob("*.py"))
+    return [(path, ast.parse(path.read_text(encoding="utf-8"))) for path in paths]
 
 
 def is_kernel(node):
@@ -277,23 +263,21 @@ def test_pages_name_this_version(page, said):
     assert re.findall(said, (ROOT / page).read_text(encoding="utf-8"), re.M) == [here]
 
 
-def statements(path):
+def statements(tree):
     """Return how many statements a file has, docstrings not counted."""
-    tree = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
-    texts = [n for n in tree if isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant)]
+    nodes = list(ast.walk(tree))
+    texts = [n for n in nodes if isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant)]
     strings = [n for n in texts if isinstance(n.value.value, str)]
-    return sum(isinstance(n, ast.stmt) for n in tree) - len(strings)
+    return sum(isinstance(n, ast.stmt) for n in nodes) - len(strings)
 
 
 def test_packages_keep_to_their_budgets():
     table = (ROOT / "docs/architecture.md").read_text(encoding="utf-8").split("## Budgets")[1]
     budgets = {one: int(most) for one, most in re.findall(r"\| `(\w+)` \| (\d+) \|", table)}
     found = Counter()
-    for path in (ROOT / "src" / "shellcut").rglob("*.py"):
-        package = path.relative_to(ROOT / "src" / "shellcut").parts[0]
-        found[package if path.parent.name != "shellcut" else "files_beside_the_packages"] += (
-            statements(path)
-        )
+    for path, tree in sources():
+        package, *inside = path.relative_to(ROOT / "src" / "shellcut").parts
+        found[package if inside else "files_beside_the_packages"] += statements(tree)
     assert set(budgets) == set(found)
     over = {one: (n, budgets[one]) for one, n in found.items() if n > budgets[one]}
     assert over == {}, "statements, and what docs/architecture.md allows"
@@ -302,9 +286,8 @@ def test_packages_keep_to_their_budgets():
 def test_functions_are_short():
     # Kernels may be longer: each is one loop over rows, and what it calls is inlined anyway.
     long = {}
-    for path in sorted((ROOT / "src").rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(text)):
+    for path, tree in sources():
+        for node in ast.walk(tree):
             if not isinstance(node, ast.FunctionDef) or is_kernel(node):
                 continue
             first = node.body[min(ast.get_docstring(node) is not None, len(node.body) - 1)]
@@ -341,20 +324,17 @@ def test_the_short_form_for_other_versions_names_tests_that_there_are():
     assert [file for file in files if not (ROOT / file).is_file()] == []
 
 
-def test_package_picture_table_and_folders_are_the_contract():
-    sys.path.insert(0, str(ROOT / "docs"))
-    import packages_picture
-
-    rows = packages_picture.rows()
+def test_package_picture_table_and_folders_are_the_contract(docs):
+    pictured = docs("packages_picture")
+    rows = pictured.rows()
     assert len(rows) <= 10
-    assert packages_picture.PICTURE.read_text(encoding="utf-8") == packages_picture.picture()
-    assert packages_picture.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-    packages = [one for row in rows for one in row]
+    assert pictured.PICTURE.read_text(encoding="utf-8") == pictured.picture()
+    assert pictured.table() in (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
     package = ROOT / "src" / "shellcut"
     folders = {p.parent.name for p in package.glob("*/__init__.py")}
     files = {p.stem for p in package.glob("*.py")} - {"__init__", "__main__"}
     doors = {"cut_quality", "history", "meshing", "tool_shapes"}
-    assert sorted(packages) == sorted(folders | (files - doors))
+    assert sorted(one for row in rows for one in row) == sorted(folders | (files - doors))
     for folder in folders:
         doc = ast.get_docstring(ast.parse((package / folder / "__init__.py").read_text("utf-8")))
         assert "import" in doc.lower(), f"{folder} must say what it may import"
@@ -438,6 +418,5 @@ def packed_lines(tree):
 
 
 def test_code_is_not_packed():
-    sources = sorted((ROOT / "src").rglob("*.py"))
-    trees = ((path, ast.parse(path.read_text(encoding="utf-8"))) for path in sources)
-    assert [f"{path.name}:{line}" for path, tree in trees for line in packed_lines(tree)] == []
+    found = [f"{path.name}:{line}" for path, tree in sources() for line in packed_lines(tree)]
+    assert found == []

@@ -1,10 +1,9 @@
 """Runs that fail on the way: what they end with, what they leave, how they go on."""
 
+import errno
 import json
 import os
 import shutil
-import signal
-import subprocess
 import sys
 
 import pytest
@@ -15,8 +14,8 @@ from notched_strip import cutting
 from same_run import assert_same_run
 from shellcut.command_line import main
 from shellcut.models import Case
-from shellcut.recording.recorder import Recorder, RunEnded
-from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
+from shellcut.recording.recorder import Recorder
+from small_disk import REFUSAL, files_of_at_most
 
 MODEL = ["guillotine", "--set", "size=1", "--set", "membrane.length=6", "--set", "travel=0.6"]
 MODEL += ["--set", "membrane.width=4", "--set", "output.rows=200", "--frames", "20"]
@@ -45,48 +44,39 @@ def uninterrupted(no_pictures, tmp_path_factory):
     return out
 
 
-# ------------------------------------------------------------------ disk full
+@pytest.fixture
+def broken_run(tmp_path, capsys, monkeypatch):
+    """Return a function that runs the model with a method replaced; it gives what was said."""
+
+    def run(owner, name, method):
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, name, method)
+            assert main(["run", *MODEL, "-o", str(tmp_path / "out")]) == 4
+        return capsys.readouterr().err
+
+    return run
 
 
-def test_a_full_disk_has_its_own_code_and_the_run_goes_on(whole, tmp_path, capsys):
-    disk = tmp_path / "disk"
-    with small_disk(disk, 480):
-        out = disk / "out"
-        assert main(["run", *MODEL, "-o", str(out)]) == 4
-        said = capsys.readouterr().err
-        assert "No space left on device" in said
-        assert f"free space, then: shellcut resume {out}" in said
-        assert "failed at path " in said
-        assert "Traceback" not in said
-        # What there is can be read, and nothing says that the run had ended.
-        results = shellcut.read(out)
-        assert results.n_frame >= 1
-        assert results.summary == {}
-        assert not (out / "run.lock").exists()
-        # Still full: nothing was run, and nothing lost.
-        enlarge(disk, 20_000)
-        assert main(["resume", str(out)]) == 0
-        shutil.copytree(out, tmp_path / "copy")
-    assert_same_run(tmp_path / "copy", whole)
-
-
-def test_files_that_may_not_grow(whole, tmp_path, capsys, monkeypatch):
+def test_a_full_disk_has_its_own_code_and_the_run_goes_on(whole, tmp_path, broken_run):
     go, out = Case.go, tmp_path / "out"
 
     def limited(case, recorder):
         with files_of_at_most(220_000):
             go(case, recorder)
 
-    with monkeypatch.context() as patch:
-        patch.setattr(Case, "go", limited)
-        assert main(["run", *MODEL, "-o", str(out)]) == 4
-    said = capsys.readouterr().err
+    said = broken_run(Case, "go", limited)
     assert f"File too large: '{out / 'guillotine.vtkhdf'}'" in said
     assert f"free space, then: shellcut resume {out}" in said
+    assert "failed at path " in said
     assert "failed at path " in (out / "run.log").read_text()
+    assert "Traceback" not in said
+    # What there is can be read, and nothing says that the run had ended.
+    results = shellcut.read(out)
+    assert results.n_frame >= 1
+    assert results.summary == {}
+    assert not (out / "run.lock").exists()
     assert main(["resume", str(out)]) == 0
     assert_same_run(out, whole)
-    capsys.readouterr()
 
 
 def test_a_row_that_does_not_fit_is_written_when_it_goes_on(uninterrupted, tmp_path):
@@ -115,28 +105,27 @@ def test_a_row_that_does_not_fit_is_written_when_it_goes_on(uninterrupted, tmp_p
     assert_same_run(tmp_path, uninterrupted)
 
 
-# ------------------------------------------------------------------ hooks
-
-
-def test_an_error_on_the_way_is_shown_and_the_run_goes_on(whole, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (KeyError("no such figure"), ["Traceback", "KeyError: 'no such figure'", "remove the"]),
+        (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), ["No space left", "free space, then:"]),
+    ],
+)
+def test_an_error_on_the_way_is_shown_and_the_run_goes_on(whole, tmp_path, broken_run, error, said):
     out, record = tmp_path / "out", Recorder._record
 
     def failing(recorder, sim, now, mark):
         record(recorder, sim, now, mark)
         if sim.state.step > 300:
-            raise KeyError("no such figure")
+            raise error
 
-    with monkeypatch.context() as patch:
-        patch.setattr(Recorder, "_record", failing)
-        assert main(["run", *MODEL, "-o", str(out)]) == 4
-    said = capsys.readouterr().err
-    assert "Traceback" in said
-    assert "KeyError: 'no such figure'" in said
-    assert f"remove the cause, then: shellcut resume {out}" in said
+    told = broken_run(Recorder, "_record", failing)
+    for part in (*said, f"shellcut resume {out}"):
+        assert part in told
     assert not (out / "summary.json").exists()
     assert main(["resume", str(out)]) == 0
     assert_same_run(out, whole)
-    capsys.readouterr()
 
 
 def test_an_error_of_another_hook_leaves_everything_and_goes_on(uninterrupted, tmp_path):
@@ -159,9 +148,6 @@ def test_an_error_of_another_hook_leaves_everything_and_goes_on(uninterrupted, t
     assert_same_run(tmp_path, uninterrupted)
 
 
-# ------------------------------------------------------------------ the folder goes
-
-
 def moved(folder):
     folder.rename(folder.with_name("elsewhere"))
 
@@ -179,9 +165,8 @@ def replaced(folder):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="open files cannot be removed there")
 @pytest.mark.parametrize("take_away", [shutil.rmtree, moved, emptied, replaced])
-def test_a_folder_taken_away_ends_the_run(tmp_path, capsys, monkeypatch, take_away):
-    out, call = tmp_path / "out", Recorder.__call__
-    steps = []
+def test_a_folder_taken_away_ends_the_run(tmp_path, monkeypatch, broken_run, take_away):
+    out, call, steps = tmp_path / "out", Recorder.__call__, []
 
     def robbed(recorder, sim):
         call(recorder, sim)
@@ -190,52 +175,11 @@ def test_a_folder_taken_away_ends_the_run(tmp_path, capsys, monkeypatch, take_aw
             take_away(out)
 
     monkeypatch.setattr(shellcut.recording.recorder, "_LOOK_EVERY", 0.0)
-    monkeypatch.setattr(Recorder, "__call__", robbed)
-    assert main(["run", *MODEL, "-o", str(out)]) == 4
+    said = broken_run(Recorder, "__call__", robbed)
     assert steps[-1] == 100  # the next call has ended it
-    said = capsys.readouterr().err
     assert f"{out} has been removed, moved or emptied while guillotine was written there" in said
     assert "Traceback" not in said
     if take_away is moved:
-        monkeypatch.setattr(Recorder, "__call__", call)
         assert main(["resume", str(tmp_path / "elsewhere")]) == 0
     elif take_away is replaced:
         assert {p.name for p in out.iterdir()} == {"history.csv"}
-    capsys.readouterr()
-
-
-# ------------------------------------------------------------------ killed at its end
-
-KILLED = """
-import os, signal, sys
-sys.path.insert(0, {tests!r})
-from notched_strip import cutting
-from shellcut.models import Case
-from shellcut import Results
-
-def kill(*_, **__):
-    os.kill(os.getpid(), signal.SIGKILL)
-
-Results.plot_energy = kill
-Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0, progress=False)
-"""
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path, monkeypatch):
-    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
-    monkeypatch.setattr(shellcut.recording.recorder, "can_draw", lambda: True)
-    whole, part = tmp_path / "whole", tmp_path / "part"
-    Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)
-    script = KILLED.format(tests=os.path.dirname(__file__), folder=str(part), end=8e-6)
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
-    assert done.returncode == -signal.SIGKILL, done.stderr.decode()
-    assert (part / "force.png").exists()
-    assert not (part / "energy.png").exists()
-    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
-    assert_same_run(part, whole)
-    for picture in whole.glob("*.png"):
-        assert (part / picture.name).read_bytes() == picture.read_bytes(), picture.name
-    # Now it has ended.
-    with pytest.raises(RunEnded):
-        Recorder(cutting(), part, until=8e-6, name="cut", resume=True, progress=False)

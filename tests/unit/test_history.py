@@ -16,11 +16,25 @@ def row(k):
     return {"torque": np.sin(k) * 1e3, "time": 1e-7 * k, "angle": k / 3.0}
 
 
-def test_what_was_written_is_read_to_the_last_bit(tmp_path):
-    path = tmp_path / "history.csv"
-    with HistoryWriter(path, COLUMNS) as history:
-        for k in range(50):
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "history.csv"
+
+
+def write(path, first=0, end=8, *, kept=None, until=None):
+    """Write rows to a history; return what was written after ``until`` of them, or all."""
+    with HistoryWriter(path, COLUMNS, kept=kept) as history:
+        for k in range(first, end):
             history.append(row(k))
+            if until in (None, k + 1):
+                written = history.written
+    return written
+
+
+def test_what_was_written_is_read_to_the_last_bit_and_a_new_run_replaces_it(path):
+    write(path, 90, 99)
+    written = write(path, 0, 50)
+    assert written.length == path.stat().st_size
     assert path.read_text().splitlines()[0] == "time [s],angle [deg],torque [N*mm]"
     values, units = read_history(path)
     assert list(values) == ["time", "angle", "torque"]
@@ -38,48 +52,26 @@ def test_what_was_written_is_read_to_the_last_bit(tmp_path):
         ((("ratio", ""),), "got ''"),
     ],
 )
-def test_columns_that_cannot_stand_in_a_header_are_refused(tmp_path, columns, message):
+def test_columns_that_cannot_stand_in_a_header_are_refused(path, columns, message):
     with pytest.raises(ValueError, match=message):
-        HistoryWriter(tmp_path / "history.csv", columns)
+        HistoryWriter(path, columns)
 
 
-def test_a_new_run_replaces_the_old_file_and_a_continued_one_appends(tmp_path):
-    path = tmp_path / "history.csv"
-    written = None
-    for goes_on, first in ((False, 0), (False, 10), (True, 20)):
-        with HistoryWriter(path, COLUMNS, kept=written if goes_on else None) as history:
-            for k in range(first, first + 10):
-                history.append(row(k))
-            written = history.written
-    assert written.length == path.stat().st_size
-    np.testing.assert_array_equal(read_history(path)[0]["angle"], np.arange(10, 30) / 3.0)
-
-
-def test_continuing_from_a_checkpoint_equals_the_uninterrupted_run(tmp_path):
-    whole, broken = tmp_path / "whole.csv", tmp_path / "broken.csv"
-    with HistoryWriter(whole, COLUMNS) as history:
-        for k in range(20):
-            history.append(row(k))
-    with HistoryWriter(broken, COLUMNS) as history:
-        for k in range(14):
-            history.append(row(k))
-            if k == 9:
-                kept = history.written
+def test_continuing_from_a_checkpoint_equals_the_uninterrupted_run(path, tmp_path):
+    broken = tmp_path / "broken.csv"
+    write(path, 0, 20)
+    kept = write(broken, 0, 14, until=10)
     with broken.open("a") as file:  # the last line of a full disk
         file.write("1.4e-06,4.6")
     assert len(read_history(broken)[0]["time"]) == 14
-    with HistoryWriter(broken, COLUMNS, kept=kept) as history:
-        for k in range(10, 20):
-            history.append(row(k))
-    assert whole.read_bytes() == broken.read_bytes()
+    write(broken, 10, 20, kept=kept)
+    assert path.read_bytes() == broken.read_bytes()
 
 
-def test_other_columns_and_foreign_files_are_refused(tmp_path):
-    path = tmp_path / "history.csv"
+def test_other_columns_and_foreign_files_are_refused(path):
     HistoryWriter(path, COLUMNS).close()
     with pytest.raises(ValueError, match=r"has other columns than this run: 'time \[s\]"):
         HistoryWriter(path, COLUMNS[:2], kept=Written(30, ""))
-    path = tmp_path / "other.csv"
     path.write_text("a;b\n1;2\n")
     with pytest.raises(ValueError, match="line 1: must name the columns"):
         read_history(path)
@@ -88,48 +80,34 @@ def test_other_columns_and_foreign_files_are_refused(tmp_path):
     assert len(path.read_text().splitlines()) == 1
 
 
-def test_a_row_that_does_not_fit_is_told_of(tmp_path):
-    path = tmp_path / "h.csv"
-    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")]) as writer:
-        writer.append({"time": 0.0, "torque": 1.0})
+def test_a_row_that_does_not_fit_is_told_of(path):
+    with HistoryWriter(path, COLUMNS) as writer:
+        writer.append(row(0))
         # The system takes the first bytes of the row, and says so without an error.
         whole = path.stat().st_size
         with files_of_at_most(whole + 5), pytest.raises(OSError, match=REFUSAL):
-            writer.append({"time": 0.125, "torque": 2.0})
+            writer.append(row(1))
         assert path.stat().st_size == whole + 5
         assert writer.written.length == whole
         kept = writer.written
-    with HistoryWriter(path, [("time", "s"), ("torque", "N*mm")], kept=kept) as writer:
-        writer.append({"time": 0.25, "torque": 3.0})
-    assert read_history(path)[0]["time"].tolist() == [0.0, 0.25]
-
-
-def _history(path):
-    with HistoryWriter(path, COLUMNS) as history:
-        for k in range(8):
-            history.append(row(k))
-            if k == 5:
-                kept = history.written
-    return kept
+    write(path, 2, 3, kept=kept)
+    assert read_history(path)[0]["time"].tolist() == [0.0, 2e-7]
 
 
 CHANGES = {
     "a number": lambda line: line.replace(b"0", b"5", 1),
     "a bad cell": lambda line: b"x" + line[1:],
     "a bit": lambda line: line[:3] + bytes([line[3] ^ 0x80]) + line[4:],
-    "a comma for a point": lambda line: line.replace(b".", b",", 1),
     "a line twice": lambda line: line + line,
     "a line lost": lambda line: b"",
-    "a blank": lambda line: b" " + line,
     "a line of Windows": lambda line: line.replace(b"\n", b"\r\n"),
 }
 
 
 @pytest.mark.parametrize("change", CHANGES)
-@pytest.mark.parametrize("line", [1, 4, 5])
-def test_a_kept_part_that_has_been_changed_is_refused(tmp_path, change, line):
-    path = tmp_path / "history.csv"
-    kept = _history(path)
+@pytest.mark.parametrize("line", [1, 5])
+def test_a_kept_part_that_has_been_changed_is_refused(path, change, line):
+    kept = write(path, until=6)
     lines = path.read_bytes().splitlines(keepends=True)
     lines[line] = CHANGES[change](lines[line])
     changed = b"".join(lines)
@@ -139,26 +117,22 @@ def test_a_kept_part_that_has_been_changed_is_refused(tmp_path, change, line):
     assert path.read_bytes() == changed  # nothing is lost
 
 
-def test_what_comes_after_the_kept_part_may_be_anything(tmp_path):
-    path = tmp_path / "history.csv"
-    kept = _history(path)
+def test_what_comes_after_the_kept_part_may_be_anything(path):
+    kept = write(path, until=6)
     whole = path.read_bytes()
     for rest in (b"", b"1.0,x,", b"\xff\xfe\n", whole):
         path.write_bytes(whole[: kept.length] + rest)
-        with HistoryWriter(path, COLUMNS, kept=kept) as history:
-            for k in (6, 7):
-                history.append(row(k))
+        write(path, 6, 8, kept=kept)
         assert path.read_bytes() == whole
     path.write_bytes(whole[: kept.length - 1])
     with pytest.raises(ValueError, match=f"must reach to .* that is have {kept.length} bytes"):
         HistoryWriter(path, COLUMNS, kept=kept)
 
 
-@pytest.mark.parametrize("cell", ["x", "", "1.2.3", "1e", "--1", "\x00", "\ufffd", "0x10"])
-@pytest.mark.parametrize("column", range(3))
-def test_a_cell_that_is_no_number_is_named(tmp_path, cell, column):
-    path = tmp_path / "history.csv"
-    _history(path)
+@pytest.mark.parametrize("cell", ["x", "", "1.2.3", "1e", "\x00", "\ufffd", "0x10"])
+@pytest.mark.parametrize("column", [0, 2])
+def test_a_cell_that_is_no_number_is_named(path, cell, column):
+    write(path)
     lines = path.read_text().splitlines()
     cells = lines[4].split(",")
     cells[column] = cell
@@ -170,10 +144,10 @@ def test_a_cell_that_is_no_number_is_named(tmp_path, cell, column):
         read_history(path)
 
 
-def test_what_a_blown_up_run_writes_is_read(tmp_path):
-    with HistoryWriter(tmp_path / "h.csv", COLUMNS) as history:
+def test_what_a_blown_up_run_writes_is_read(path):
+    with HistoryWriter(path, COLUMNS) as history:
         history.append({"time": 0.0, "angle": np.nan, "torque": -np.inf})
-    values, _ = read_history(tmp_path / "h.csv")
+    values, _ = read_history(path)
     assert np.isnan(values["angle"][0])
     assert values["torque"][0] == -np.inf
 
@@ -196,13 +170,12 @@ def test_a_cell_of_the_splits_that_is_no_number_is_named(tmp_path, column, cell,
     header, first, second = path.read_text().splitlines()
     cells = second.split(",")
     cells[header.split(",").index(column)] = cell
-    path.write_text("\n".join([header, first, ",".join(cells)]) + "\n")
-    with pytest.raises(ValueError, match=re.escape(f"{path}, line 3, column '{column}': {said}")):
-        read_splits(path)
-    path.write_text(f"{header}\n{first},1\n")
-    with pytest.raises(ValueError, match=r"splits\.csv, line 2: must have 19 cells, got 20"):
-        read_splits(path)
-    for lines in ("", "a,b\n1,2\n"):
-        path.write_text(lines)
-        with pytest.raises(ValueError, match=r"splits\.csv, line 1: must name the columns"):
+    for text, refused in (
+        (f"{header}\n{first}\n{','.join(cells)}\n", f"{path}, line 3, column '{column}': {said}"),
+        (f"{header}\n{first},1\n", "splits.csv, line 2: must have 19 cells, got 20"),
+        ("", "splits.csv, line 1: must name the columns"),
+        ("a,b\n1,2\n", "splits.csv, line 1: must name the columns"),
+    ):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=re.escape(refused)):
             read_splits(path)

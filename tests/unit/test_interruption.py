@@ -35,6 +35,16 @@ def received():
         signal.signal(one, handler)
 
 
+@contextmanager
+def ctrl_c():
+    """Let SIGINT raise KeyboardInterrupt, as in a program."""
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, former)
+
+
 def handlers():
     return [signal.getsignal(one) for one in SIGNALS]
 
@@ -81,10 +91,28 @@ def test_without_a_signal_nothing_is_delivered_and_handlers_are_back(received):
         assert handlers() != before
     interruption.deliver()
     assert received == []
-    assert handlers() == before
-    with pytest.raises(ZeroDivisionError), Interruption():
-        1 / 0  # noqa: B018
-    assert handlers() == before
+    for deferred in (Interruption, SignalsDeferred):
+        with pytest.raises(ZeroDivisionError), deferred():
+            1 / 0  # noqa: B018
+        assert handlers() == before
+
+
+def test_what_is_ignored_or_ends_the_process_or_is_of_another_thread_is_left_as_it_is(received):
+    before, seen = handlers(), []
+
+    def work():
+        with Interruption() as interruption, SignalsDeferred():
+            seen.append(handlers())
+            interruption.deliver()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert (seen, received) == ([before], [])
+    for handler in (signal.SIG_IGN, signal.SIG_DFL):
+        signal.signal(signal.SIGTERM, handler)
+        with SignalsDeferred():
+            assert signal.getsignal(signal.SIGTERM) is handler
     # As of a program started by nohup, or in the background of a script.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with Interruption() as interruption:
@@ -94,8 +122,7 @@ def test_without_a_signal_nothing_is_delivered_and_handlers_are_back(received):
 
 
 def test_ctrl_c_becomes_a_keyboard_interrupt():
-    former = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
+    with ctrl_c():
         with Interruption() as interruption:
             signal.raise_signal(signal.SIGINT)
         with pytest.raises(KeyboardInterrupt):
@@ -104,23 +131,6 @@ def test_ctrl_c_becomes_a_keyboard_interrupt():
             signal.raise_signal(signal.SIGINT)
             with pytest.raises(KeyboardInterrupt):
                 signal.raise_signal(signal.SIGINT)
-    finally:
-        signal.signal(signal.SIGINT, former)
-
-
-def test_in_another_thread_nothing_is_held_back(received):
-    before, seen = handlers(), []
-
-    def work():
-        with Interruption() as interruption:
-            seen.append(handlers())
-            interruption.deliver()
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    assert seen == [before]
-    assert received == []
 
 
 _WAITING = """
@@ -155,16 +165,6 @@ def test_a_process_ends_as_by_the_signal(number):
 # ---------------------------------------------------------------- held back
 
 
-@contextmanager
-def ctrl_c():
-    """Let SIGINT raise KeyboardInterrupt, as in a program."""
-    former = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, former)
-
-
 @pytest.mark.parametrize("number", SIGNALS)
 def test_signals_are_held_back_and_raised_once_after_the_block(received, number):
     before = handlers()
@@ -174,21 +174,6 @@ def test_signals_are_held_back_and_raised_once_after_the_block(received, number)
             signal.raise_signal(number)
         assert received == []
     assert received == [number]
-    assert handlers() == before
-    with pytest.raises(ZeroDivisionError), SignalsDeferred():
-        1 / 0  # noqa: B018
-    assert handlers() == before
-
-
-def test_what_ends_the_process_or_is_ignored_is_left_as_it_is(received):
-    for handler in (signal.SIG_IGN, signal.SIG_DFL):
-        signal.signal(signal.SIGTERM, handler)
-        with SignalsDeferred():
-            assert signal.getsignal(signal.SIGTERM) is handler
-    thread = threading.Thread(target=lambda: SignalsDeferred().__enter__())
-    before = handlers()
-    thread.start()
-    thread.join()
     assert handlers() == before
 
 

@@ -16,6 +16,24 @@ from tiny_study import SETTINGS, in_words
 
 optuna = pytest.importorskip("optuna")
 PLATEAU, ANGLE = "cohesive.plateau", "wedge_half_angle_deg"
+LEAST = {"minimise": "force_peak"}
+
+
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory):
+    """A folder of searches that have runs in common: none is run twice."""
+    return tmp_path_factory.mktemp("shared")
+
+
+def search(folder, *more, keys=f"{PLATEAU}=6:11", n=2):
+    """Search by the command; return its exit code."""
+    asked = ["optimise", "guillotine", "-o", str(folder), "--jobs=1", f"--max-runs={n}"]
+    goal = [] if "--maximise=force_peak" in more else ["--minimise=force_peak"]
+    return main([*asked, *in_words(SETTINGS), f"--set={keys}", *goal, *more])
+
+
+def kept(folder, name):
+    return json.loads((folder / OPTIMUM).read_text())[name]
 
 
 def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
@@ -26,18 +44,18 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
         return sc.optimise(
             "guillotine",
             tmp_path,
-            minimise="force_peak",
             subject_to=["cohesive_work >= 0.75", "n_loose == 0"],
             settings={**SETTINGS, PLATEAU: "6:12", ANGLE: [10, 14]},
-            max_runs=9,
+            max_runs=6,
             allow_doubts=True,  # the runs are too fast
             executor=1,
             say=lines.append,
+            **LEAST,
         )
 
     optimum = found()
     best, given = optimum.best, optimum.trials[0]
-    assert (len(optimum.trials), given.values) == (9, {})
+    assert (len(optimum.trials), given.values) == (6, {})
     for one in optimum.trials:
         work = sc.read(one.folder).summary["cohesive_work_Nmm"]
         assert one.missed == pytest.approx(max(0.75 - work, 0.0))
@@ -45,36 +63,32 @@ def test_a_search_keeps_to_its_limit_and_is_not_run_again(tmp_path):
     within = [one.figure for one in optimum.trials if one.missed == 0.0]
     assert best.figure == min(within) < given.figure
     assert f"{best.figure:.4g} N at best" in str(optimum)
-    kept = json.loads((tmp_path / OPTIMUM).read_text())
-    assert [one["figure"] for one in kept["trials"]] == [one.figure for one in optimum.trials]
+    assert [one["figure"] for one in kept(tmp_path, "trials")] == [
+        one.figure for one in optimum.trials
+    ]
     assert (tmp_path / "optimum.png").exists()
     lines.clear()
     assert str(found()) == str(optimum)
     assert not [line for line in lines if line.startswith("[")]
 
 
-def test_a_search_ends_with_the_best_on_another_mesh(tmp_path, capsys):
-    asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
-    asked += [*in_words(SETTINGS), "--set", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
-    asked += ["--allow-doubts"]
-    assert main([*asked, "--confirm", "size=1"]) == 0
+@pytest.mark.parametrize(
+    ("more", "where", "quads"),
+    [
+        # The model as given, which is the second best, and the best.
+        (["--confirm", "size=1"], "with size = 1: ", [24, 24]),
+        ([], "on a finer film: ", [18 * 12] * 2),  # 1.5 times as many rows of 12 x 8
+        (["--confirm", "none"], "", []),
+    ],
+)
+def test_a_search_ends_with_the_best_on_another_mesh(shared, capsys, more, where, quads):
+    assert search(shared, "--allow-doubts", *more) == 0
     said = capsys.readouterr().out
-    assert "force, peak: " in said
-    assert "with size = 1: force, peak: " in said
-    assert "with size = 1: distrust at best: The motion is too fast" in said
-
-    def quads_of_runs_again():
-        kept = json.loads((tmp_path / OPTIMUM).read_text())["confirmed"]
-        return [sc.read(one["folder"]).frame(0).quads.shape[0] for one in kept]
-
-    # The model as given, which is the second best, and the best.
-    assert quads_of_runs_again() == [24, 24]
-    assert main(asked) == 0
-    said = capsys.readouterr().out
-    assert "on a finer film: force, peak: " in said
-    assert quads_of_runs_again() == [18 * 12] * 2  # 1.5 times as many rows of 12 x 8
-    assert main([*asked, "--confirm", "none"]) == 0
-    assert "on a finer film" not in capsys.readouterr().out
+    for part in ("force, peak: ", "distrust at best: The motion is too fast"):
+        assert f"{where}{part}" in said
+    runs = kept(shared, "confirmed") if quads else []
+    assert [sc.read(one["folder"]).frame(0).quads.shape[0] for one in runs] == quads
+    assert ("on a finer film" in said) == (not more)
 
 
 @pytest.mark.parametrize(
@@ -109,63 +123,52 @@ def test_of_runs_that_fail_or_miss_the_limits_none_is_best():
     assert str(optimum).startswith("no run is the best: 2 runs, 1 failed, 1 beyond the limits")
     within = Optimum("force_peak_N", -1, (), (*trials, Trial({"k": 2}, "c", 2.0)))
     assert within.best.folder == "c"
-    beyond, inside, best = (np.asarray(one.values, float) for one in within.diagram().curves)
-    assert [one.name for one in within.diagram().curves] == [
-        "runs beyond the limits",
-        "runs",
-        "best so far",
-    ]
+    curves = {one.name: np.asarray(one.values, float) for one in within.diagram().curves}
+    assert list(curves) == ["runs beyond the limits", "runs", "best so far"]
+    beyond, inside, best = curves.values()
     np.testing.assert_array_equal(np.isnan(beyond), [False, True, True])
     np.testing.assert_array_equal(np.isnan(inside), [True, True, False])
     assert best[2] == 2.0
 
 
 def test_what_a_verdict_distrusts_is_not_the_best_unless_that_is_allowed(tmp_path, capsys):
-    asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "5"]
-    asked += [*in_words(SETTINGS), "--set=motion.speed=2500:3500", "--maximise=force_peak"]
-    assert main(asked) == 0
+    asked = {"keys": "motion.speed=2500:3500", "n": 5}
+    assert search(tmp_path, "--maximise=force_peak", **asked) == 0
     said = capsys.readouterr().out
-    trials = json.loads((tmp_path / OPTIMUM).read_text())["trials"]
-    doubts = {bool(one["doubts"]) for one in trials}
-    assert doubts == {True, False}
+    trials = kept(tmp_path, "trials")
+    assert {bool(one["doubts"]) for one in trials} == {True, False}
     for one in trials:
         summary = sc.read(one["folder"]).summary
         assert len(one["doubts"]) == sum(line["kind"] == "doubt" for line in summary["verdict"])
-    trusted = max(one["figure"] for one in trials if not one["doubts"])
-    n = sum(bool(one["doubts"]) for one in trials)
-    assert f"{trusted:.4g} N at best" in said
-    assert f"5 runs, {n} distrusted" in said
-    assert main([*asked, "--allow-doubts"]) == 0
+    trusted = [one["figure"] for one in trials if not one["doubts"]]
+    assert f"{max(trusted):.4g} N at best" in said
+    assert f"5 runs, {5 - len(trusted)} distrusted" in said
+    assert search(tmp_path, "--maximise=force_peak", "--allow-doubts", **asked) == 0
     largest = max(trials, key=lambda one: one["figure"])
     said = capsys.readouterr().out
     assert f"{largest['figure']:.4g} N at best" in said
     assert f"distrust at best: {largest['doubts'][0]}" in said
 
 
-def test_where_no_run_keeps_to_the_limits_the_nearest_is_told_with_four(tmp_path, capsys):
-    asked = ["optimise", "guillotine", "-o", str(tmp_path), "--jobs", "1", "--max-runs", "2"]
-    asked += [*in_words(SETTINGS), "--set", f"{PLATEAU}=6:11", "--minimise", "force_peak"]
-    assert main([*asked, "--subject-to", "crack length >= 500", "--subject-to=flaps==0"]) == 4
+def test_where_no_run_keeps_to_the_limits_the_nearest_is_told_with_four(shared, capsys):
+    assert search(shared, "--subject-to", "crack length >= 500", "--subject-to=flaps==0") == 4
     said = capsys.readouterr().out
     assert "no run is the best: 2 runs, 2 beyond the limits" in said
     assert "the nearest to crack length >= 500, flaps==0 is run 1 with crack length 1.5 mm" in said
-    assert main(asked) == 4
+    assert search(shared) == 4
     said = capsys.readouterr().out
-    assert "2 runs, 2 distrusted" in said
-    assert "distrust: The motion is too fast" in said
-    assert "--allow-doubts" in said
+    for part in ("2 runs, 2 distrusted", "distrust: The motion is too fast", "--allow-doubts"):
+        assert part in said
 
 
 def test_every_number_of_a_summary_is_a_name_that_a_search_knows(tmp_path):
-    values = {PLATEAU: [6, 12]}
-    study = sc.sweep("guillotine", values, tmp_path, settings=SETTINGS, executor=1, say=str)
-    names = [name for name, value in study.rows[0].items() if name != PLATEAU]
+    study = sc.sweep("guillotine", {PLATEAU: [6]}, tmp_path, settings=SETTINGS, executor=1, say=str)
+    names = [name for name in study.rows[0] if name != PLATEAU]
     assert {"doubts", "force_peak_N"} <= set(names)
-    asked = [*names, "piercing_force_12", "flaps", "bridges", "loose pieces"]
-    assert [known_figure(one, UNITS) for one in asked[:-4]] == names
-    assert [known_figure(one, UNITS) for one in asked[-4:]] == [
-        *("piercing_force_12_N", "n_flap", "n_bridge", "n_loose")
-    ]
+    assert [known_figure(one, UNITS) for one in names] == names
+    words = {"piercing_force_12": "piercing_force_12_N", "flaps": "n_flap", "bridges": "n_bridge"}
+    for word, name in (words | {"loose pieces": "n_loose"}).items():
+        assert known_figure(word, UNITS) == name
 
 
 @pytest.mark.parametrize(
@@ -173,36 +176,26 @@ def test_every_number_of_a_summary_is_a_name_that_a_search_knows(tmp_path):
     [
         ({"minimise": "a", "maximise": "b"}, "either minimise or maximise"),
         ({}, "either minimise or maximise"),
-        ({"minimise": "force_peak", "max_runs": 1}, "max_runs must be 2 or more, got 1"),
-        (
-            {"minimise": "force_peak", "subject_to": ["n_loose = 1"]},
-            "a limit must be NAME <= NUMBER",
-        ),
+        (LEAST | {"max_runs": 1}, "max_runs must be 2 or more, got 1"),
+        (LEAST | {"subject_to": ["n_loose = 1"]}, "a limit must be NAME <= NUMBER"),
         ({"minimise": "crack_length", "subject_to": ["flasp==0"]}, "did you mean n_flap"),
         ({"minimise": "force_paek"}, "no value force_paek; did you mean force_peak_N"),
-        ({"minimise": "force_peak", "keys": {PLATEAU: 10.0}}, "at least one key a range"),
-        ({"minimise": "force_peak", "keys": {"cohesive.plateu": "6:12"}}, "plateu"),
-        ({"minimise": "force_peak", "keys": {PLATEAU: "6 mm:12 mm"}}, "must be a number in MPa"),
-        ({"minimise": "force_peak", "confirm": {"siez": 1}}, "did you mean size"),
+        (LEAST | {"keys": {PLATEAU: 10.0}}, "at least one key a range"),
+        (LEAST | {"confirm": {"siez": 1}}, "did you mean size"),
     ],
 )
 def test_what_cannot_be_sought_is_refused_before_any_run(given, said, tmp_path):
-    keys = given.pop("keys", {PLATEAU: "6:12"})
+    keys = given.get("keys", {PLATEAU: "6:12"})
+    given = {name: value for name, value in given.items() if name != "keys"}
     with pytest.raises(ValueError, match=said):
         sc.optimise("guillotine", tmp_path / "none", settings={**SETTINGS, **keys}, **given)
     assert not Path(tmp_path / "none").exists()
 
 
-def test_a_figure_that_is_not_there_is_told_with_those_that_are(tmp_path):
+def test_a_figure_that_is_not_there_is_told_with_those_that_are(shared):
+    settings, goal = {**SETTINGS, PLATEAU: "6:11"}, {"minimise": "torque_peak"}
     with pytest.raises(RuntimeError, match=r"no value torque_peak_Nmm; .*force_peak_N"):
-        sc.optimise(
-            "guillotine",
-            tmp_path,
-            minimise="torque_peak",
-            settings={**SETTINGS, PLATEAU: "6:12"},
-            executor=1,
-            say=lambda _: None,
-        )
+        sc.optimise("guillotine", shared, settings=settings, executor=1, say=str, **goal)
 
 
 def test_the_report_of_a_search_has_what_was_found_and_the_runs(tmp_path, capsys):
@@ -211,21 +204,20 @@ def test_the_report_of_a_search_has_what_was_found_and_the_runs(tmp_path, capsys
         Trial({"tool.teeth": 3}, "runs/b", 2.0, half_width=0.1),
         Trial({"tool.teeth": 9}, "runs/c", reason="teeth <overlap>"),
     )
-    optimum = Optimum("force_peak_N", 1, (), trials)
-    optimum.write(tmp_path)
-    assert main(["report", str(tmp_path)]) == 0
+    report = ["report", str(tmp_path)]
+    Optimum("force_peak_N", 1, (), trials).write(tmp_path)
+    assert main(report) == 0
     assert "report.html" in capsys.readouterr().out
     page = (tmp_path / "report.html").read_text()
     for said in ("tool.teeth = 3", "2 ± 0.1 N", "teeth &lt;overlap&gt;", "at best", "runs/"):
         assert said in page, said
     (tmp_path / OPTIMUM).write_text("{}")
-    assert main(["report", str(tmp_path)]) == 2
+    assert main(report) == 2
     assert "is not as shellcut writes it" in capsys.readouterr().err
-
-
-def test_runs_without_a_result_are_told_how_to_go_on(tmp_path, capsys):
+    # Runs without a result: how to go on.
+    (tmp_path / OPTIMUM).unlink()
     (tmp_path / "runs").mkdir()
-    assert main(["report", str(tmp_path)]) == 2
+    assert main(report) == 2
     said = capsys.readouterr().err
     assert "none of study.toml, fit.json, optimum.json" in said
     assert "call it again to continue" in said

@@ -79,81 +79,52 @@ def forbidden(text):
     return found
 
 
-def strings(path):
+def strings(tree):
     """Return what a module says: strings of four words and more that are no docstrings."""
-    tree = ast.parse(path.read_text())
-    docs = {
-        id(node.body[0].value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
-        and node.body
-        and isinstance(node.body[0], ast.Expr)
-    }
-    docs |= {
-        id(node.value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    }
+    alone = [node.value for node in ast.walk(tree) if isinstance(node, ast.Expr)]
+    docs = set(map(id, alone))
     said = []
     for node in ast.walk(tree):
         if isinstance(node, ast.JoinedStr):
             parts = [v.value if isinstance(v, ast.Constant) else "CODE" for v in node.values]
             said.append("".join(parts))
-        elif (
-            isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docs
-        ):
-            said.append(node.value)
+        elif isinstance(node, ast.Constant) and id(node) not in docs:
+            said.append(str(node.value))
     return [text for text in said if len(text.split()) >= 4]
 
 
-def public_docstrings(path):
-    """Return the docstrings of the public names of a module's `__all__`, or of all without one."""
-    tree = ast.parse(path.read_text())
+def public_docstrings(body):
+    """Return the docstrings of the public classes, methods and functions among statements."""
     found = []
-
-    def collect(body):
-        for node in body:
-            if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
-                found.append(ast.get_docstring(node) or "")
-                if isinstance(node, ast.ClassDef):
-                    collect(node.body)
-
-    collect(tree.body)
+    for node in body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+            found.append(ast.get_docstring(node) or "")
+            if isinstance(node, ast.ClassDef):
+                found += public_docstrings(node.body)
     return found
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page_has_no_forbidden_word(page):
-    found = forbidden(prose((ROOT / page).read_text()))
+def test_a_page_has_no_forbidden_word_and_short_sentences(page):
+    text = (ROOT / page).read_text()
+    found = forbidden(prose(text))
+    if page in PLAIN:
+        lengths = sentences(text)
+        found += [f"{n} words: {text}" for n, text in lengths if n > LONGEST]
+        assert sum(n for n, _ in lengths) / len(lengths) <= MEAN
     assert not found, f"{len(found)} in {page}:\n" + "\n".join(found)
 
 
-@pytest.mark.parametrize("page", PLAIN)
-def test_sentences_of_a_page_are_short(page):
-    found = sentences((ROOT / page).read_text())
-    long = [f"{n} words: {text}" for n, text in found if n > LONGEST]
-    assert not long, f"{len(long)} in {page}:\n" + "\n".join(long)
-    assert sum(n for n, _ in found) / len(found) <= MEAN
-
-
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda p: p.name)
-def test_what_the_program_says_is_plain(package):
+def test_what_the_program_says_and_docstrings_of_public_names_are_plain(package):
     found = []
     for path in sorted(package.glob("*.py")):
-        texts = [prose(text) for text in strings(path)]
-        found += [f"{path.name}: {one}" for text in texts for one in forbidden(text)]
-        found += [
-            f"{path.name}: {n} words: {s}" for t in texts for n, s in sentences(t) if n > LONGEST
-        ]
-    assert not found, f"{len(found)}:\n" + "\n".join(found)
-
-
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda p: p.name)
-def test_docstrings_of_public_names_are_plain(package):
-    found = []
-    for path in sorted(package.glob("*.py")):
-        for text in public_docstrings(path):
-            found += [f"{path.name}: {one}" for one in forbidden(prose(text))]
+        tree = ast.parse(path.read_text())
+        said = [prose(text) for text in strings(tree)]
+        docs = [prose(text) for text in public_docstrings(tree.body)]
+        found += [f"{path.name}: {one}" for text in said + docs for one in forbidden(text)]
+        lengths = [one for text in said for one in sentences(text)]
+        found += [f"{path.name}: {n} words: {text}" for n, text in lengths if n > LONGEST]
     assert not found, f"{len(found)}:\n" + "\n".join(found)
 
 

@@ -27,16 +27,9 @@ from shellcut.view import Curve, Diagram, title_parts
 from shellcut.view.curves import outline
 
 SECTIONS = [
-    *(
-        "Conclusion",
-        "Answers",
-        "Force",
-        "Measured curve",
-        "Where the work went",
-        "What may be trusted",
-    ),
-    *("The cut", "In three dimensions", "Crack map", "Quality of the cut", "Values"),
-    *("What was run", "Versions"),
+    *("Conclusion", "Answers", "Force", "Measured curve", "Where the work went"),
+    *("What may be trusted", "The cut", "In three dimensions", "Crack map", "Quality of the cut"),
+    *("Values", "What was run", "Versions"),
 ]
 
 
@@ -66,14 +59,6 @@ def page(out, measured):
     return report_run(out, measured=measured).read_text(encoding="utf-8")
 
 
-def copy_without(out, tmp_path, *names):
-    folder = tmp_path / "copy"
-    shutil.copytree(out, folder)
-    for name in names:
-        (folder / name).unlink()
-    return folder
-
-
 class Outline(HTMLParser):
     """Section titles, pictures, links; refuses tags that are not closed in order."""
 
@@ -81,7 +66,7 @@ class Outline(HTMLParser):
 
     def __init__(self, page):
         super().__init__()
-        self.open, self.titles, self.images, self.links, self.ids = [], [], [], [], []
+        self.open, self.titles, self.images, self.links = [], [], [], []
         self.feed(page)
         self.close()
         assert self.open == []
@@ -92,8 +77,6 @@ class Outline(HTMLParser):
             self.images.append(attrs)
         if tag == "a":
             self.links.append(attrs["href"])
-        if "id" in attrs:
-            self.ids.append(attrs["id"])
         if tag not in self.VOID:
             self.open.append(tag)
 
@@ -120,30 +103,36 @@ def sentences(page):
     return re.findall(r'<li class="(\w+)"><b>\w+</b>(.*?)</li>', page)
 
 
-class TestPage:
-    def test_sections_pictures_and_what_the_user_wrote_are_in_it_and_nothing_is_loaded(self, page):
-        assert Outline(page).titles == SECTIONS
-        images = Outline(page).images
-        assert len(images) == 3 + 1  # snapshots, map
-        for image in images:
-            assert image["src"].startswith("data:image/png;base64,iVBOR")
-            assert len(image["alt"]) > 20
-        assert re.findall(r"(?:src|href|url)\W{0,2}\s*https?:", without_scripts(page)) == []
-        assert "default-src 'none'" in page
-        assert "alert(1)</script>" not in page
-        assert "&lt;script&gt;alert(1)" in page
+def section(page, title):
+    return page[page.index(f"<h2>{title}</h2>") :].split("</section>")[0]
 
-    def test_figures_have_their_units(self, out, page):
-        summary = json.loads((out / "summary.json").read_text())
-        assert f"{summary['crack_length_mm']:.4g} mm" in page
-        assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
 
-    def test_the_verdict_is_ordered_and_its_doubts_counted(self, page):
-        kinds = [kind for kind, _ in sentences(page[page.index("What may be trusted") :])]
-        assert kinds.count("good") >= 3
-        assert kinds.count("doubt") == 1
-        assert "; there is 1 doubt.</p>" in page
-        assert kinds == sorted(kinds, key=["doubt", "good", "note"].index)
+def report_of(*arguments, **options):
+    return report_run(*arguments, **options).read_text(encoding="utf-8")
+
+
+def test_sections_pictures_and_what_the_user_wrote_are_in_it_and_nothing_is_loaded(out, page):
+    outline = Outline(page)
+    assert outline.titles == SECTIONS
+    assert len(outline.images) == 3 + 1  # snapshots, map
+    for image in outline.images:
+        assert image["src"].startswith("data:image/png;base64,iVBOR")
+        assert len(image["alt"]) > 20
+    assert re.findall(r"(?:src|href|url)\W{0,2}\s*https?:", without_scripts(page)) == []
+    assert "default-src 'none'" in page
+    assert "alert(1)</script>" not in page
+    assert "&lt;script&gt;alert(1)" in page
+    summary = json.loads((out / "summary.json").read_text())
+    assert f"{summary['crack_length_mm']:.4g} mm" in page
+    assert f"{summary['tool_work_Nmm']:.4g} N·mm" in page
+    kinds = [kind for kind, _ in sentences(page[page.index("What may be trusted") :])]
+    assert kinds.count("good") >= 3
+    assert kinds.count("doubt") == 1
+    assert "; there is 1 doubt.</p>" in page
+    assert kinds == sorted(kinds, key=["doubt", "good", "note"].index)
+    # Only where there is no JavaScript the scene asks for it.
+    assert page.count("needs JavaScript") == 1
+    assert re.search("<noscript>[^/]*needs JavaScript", page)
 
 
 @pytest.fixture
@@ -151,27 +140,23 @@ def undrawn(monkeypatch, out):
     """Pictures that take no time, for tests of the words around them."""
     picture = (out / "snapshot_00.png").read_bytes()
 
-    monkeypatch.setattr(
-        pictures, "draw_crack_map", lambda path, *_, **__: path.write_bytes(picture)
-    )
+    def draw(path, *_, **__):
+        path.write_bytes(picture)
+
+    monkeypatch.setattr(pictures, "draw_crack_map", draw)
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(out, tmp_path):
-    summary = json.loads((out / "summary.json").read_text())
-    kept = "keep mm, N and s"
-    page = report_run(out, tmp_path / "mm.html").read_text(encoding="utf-8")
+@pytest.mark.parametrize(("units", "size", "unit"), [("", 1.0, "mm"), ("in, lbf", 25.4, "in")])
+def test_the_lead_says_where_the_run_ended_and_what_keeps_its_units(
+    out, tmp_path, units, size, unit
+):
+    end = json.loads((out / "summary.json").read_text())["path_end_mm"]
+    with showing(units):
+        page = report_of(out, tmp_path / "r.html")
     lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
-    assert f"up to path {summary['path_end_mm']:.4g} mm, " in lead
-    assert kept not in lead
-    with showing("in, lbf"):
-        page = report_run(out, tmp_path / "in.html").read_text(encoding="utf-8")
-    lead = re.search(r'<p class="lead">(.*?)</p>', page)[1]
-    assert f"up to path {summary['path_end_mm'] / 25.4:.4g} in, " in lead
-    assert kept in lead
-    # Only where there is no JavaScript the scene asks for it.
-    assert page.count("needs JavaScript") == 1
-    assert re.search("<noscript>[^/]*needs JavaScript", page)
+    assert f"up to path {end / size:.4g} {unit}, " in lead
+    assert ("keep mm, N and s" in lead) == (unit != "mm")
 
 
 def without(*names):
@@ -186,15 +171,24 @@ def with_texts(**texts):
     def change(folder):
         for name, text in texts.items():
             (path,) = folder.glob(f"{name}.*")
-            path.write_text(text(path.read_text()) if callable(text) else text)
+            path.write_text(text)
 
     return change
 
 
+def without_column(folder):
+    path = folder / "history.csv"
+    path.write_text(path.read_text().replace("imbalance_rel [-]", "other [-]", 1))
+
+
+def half_a_row(folder):
+    text = (folder / "splits.csv").read_text()
+    (folder / "splits.csv").write_text(text[: len(text) // 2].rpartition(",")[0])
+    (folder / "summary.json").write_text("[1, 2]")
+
+
 LOST = {
     "the end": (without("summary.json", "splits.csv"), ["the run has not ended"], set()),
-    "the history": (without("history.csv"), ["history.csv is missing"], {"Force"}),
-    "the frames": (without("guillotine.vtkhdf"), ["NAME.vtkhdf; none there"], set()),
     "all but the end": (
         without("guillotine.vtkhdf", "history.csv", "used.toml"),
         ["history.csv is missing", "NAME.vtkhdf; none there"],
@@ -206,16 +200,13 @@ LOST = {
         {"Force", "Conclusion", "Answers", "Values"},
     ),
     "no figures and half a row": (
-        with_texts(summary="[1, 2]", splits=lambda text: text[: len(text) // 2].rpartition(",")[0]),
+        half_a_row,
         ["The summary cannot be shown", "The splits cannot be shown"],
         set(),
     ),
     "a column": (
-        with_texts(history=lambda text: text.replace("imbalance_rel [-]", "other [-]", 1)),
-        [
-            "The section &quot;Where the work went&quot; cannot be shown: the files contain no "
-            "&#x27;imbalance_rel"
-        ],
+        without_column,
+        ["&quot;Where the work went&quot; cannot be shown: the files contain no &#x27;imbalance"],
         {"Where the work went"},
     ),
 }
@@ -224,13 +215,15 @@ LOST = {
 
 @pytest.mark.usefixtures("undrawn")
 class TestWhatIsMissing:
+    @pytest.fixture
+    def copy(self, out, tmp_path):
+        return shutil.copytree(out, tmp_path / "copy")
+
     @pytest.mark.parametrize("case", LOST)
-    def test_is_told_and_costs_no_other_section(self, out, tmp_path, case):
+    def test_is_told_and_costs_no_other_section(self, copy, case):
         change, said, titles = LOST[case]
-        folder = tmp_path / "copy"
-        shutil.copytree(out, folder)
-        change(folder)
-        page = report_run(folder).read_text(encoding="utf-8")
+        change(copy)
+        page = report_of(copy)
         told = [text for kind, text in sentences(page) if kind == "doubt"]
         for one in said:
             assert sum(one in text for text in told) == 1, (one, told)
@@ -238,9 +231,9 @@ class TestWhatIsMissing:
         kept = [title for title in SECTIONS if title not in absent]
         assert [title for title in Outline(page).titles if title != "Resistance"] == kept
 
-    def test_a_killed_run_is_judged_by_its_history(self, out, tmp_path):
-        folders = out, copy_without(out, tmp_path, "summary.json")
-        whole, killed = (report_run(folder).read_text(encoding="utf-8") for folder in folders)
+    def test_a_killed_run_is_judged_by_its_history(self, out, copy):
+        without("summary.json")(copy)
+        whole, killed = report_of(out), report_of(copy)
         assert "The curve is the force along (1, 0, 0). Positive values resist the tool." in whole
         reason = shellcut.read(out).summary["no_window"]
         assert reason.startswith("cutting edge 1 has cut ")
@@ -250,22 +243,21 @@ class TestWhatIsMissing:
             assert f"There is no steady window, so there is no mean: {reason}." in page
         assert closes == [closes[0]] * 2
 
-    def test_without_frames_the_verdict_is_still_that_of_the_run(self, out, tmp_path):
-        folder = copy_without(out, tmp_path, "guillotine.vtkhdf")
-        page = report_run(folder).read_text(encoding="utf-8")
-        told = [text for _, text in sentences(page)]
-        verdict = json.loads((out / "summary.json").read_text())["verdict"]
+    def test_without_frames_the_verdict_is_still_that_of_the_run(self, copy):
+        without("guillotine.vtkhdf")(copy)
+        told = [text for _, text in sentences(report_of(copy))]
+        verdict = json.loads((copy / "summary.json").read_text())["verdict"]
         assert {escape(line["text"]) for line in verdict} <= {*told}
 
-    def test_without_matplotlib_there_are_curves_but_no_map(self, out, tmp_path):
-        folder = copy_without(out, tmp_path, *(f"snapshot_0{k}.png" for k in range(3)))
+    def test_without_matplotlib_there_are_curves_but_no_map(self, copy, tmp_path):
+        without(*(f"snapshot_0{k}.png" for k in range(3)))(copy)
         script = (
             "import sys; sys.modules['matplotlib'] = sys.modules['PIL'] = None\n"
             "from shellcut.report import report_run\n"
             "report_run(sys.argv[1], sys.argv[2])\n"
         )
         path = tmp_path / "r.html"
-        subprocess.run([sys.executable, "-c", script, folder, path], check=True)
+        subprocess.run([sys.executable, "-c", script, copy, path], check=True)
         page = path.read_text(encoding="utf-8")
         assert html.unescape(page).count("pip install 'shellcut-fem[plot]'") == 1
         assert "the run has drawn none" in page
@@ -275,11 +267,11 @@ class TestWhatIsMissing:
 class TestMeasuredCurve:
     def test_is_in_the_chart_and_compared(self, out, measured, page):
         found = shellcut.compare(out, measured)
-        force = page[page.index("<h2>Force</h2>") :].split("</section>")[0]
-        (curve,) = (curve for curve in drawn(force)[0] if curve["name"] == "measured")
+        traces, _ = drawn(section(page, "Force"))
+        (curve,) = (trace for trace in traces if trace["name"] == "measured")
         np.testing.assert_allclose(curve["x"], measured.x, rtol=1e-7)
         np.testing.assert_allclose(curve["y"], measured.y, rtol=1e-4)
-        part = page[page.index("<h2>Measured curve</h2>") :].split("</section>")[0]
+        part = section(page, "Measured curve")
         cells = re.findall(r'<th scope="row">(.*?)</th>((?:<td class="n">.*?</td>)+)', part)
         cells = {name: re.findall(r">([^<]*)</td>", row) for name, row in cells}
         peaks = [f"{found.peak_measured:.4g}", f"{found.peak_simulated:.4g}"]
@@ -291,15 +283,14 @@ class TestMeasuredCurve:
 
     @pytest.mark.usefixtures("undrawn")
     def test_comes_by_the_command_with_its_columns_and_units(self, out, tmp_path, capsys):
-        table = tmp_path / "m.csv"
+        table, to = tmp_path / "m.csv", tmp_path / "r.html"
         table.write_text("Weg;Kraft\n0,0;0,0\n0,1;0,2\n0,2;0,1\n")
-        to = tmp_path / "r.html"
         command = ["report", str(out), "-o", str(to), "--measured", str(table)]
         assert main([*command, "--x", "path=Weg", "--y", "force=Kraft", "--units", "cm, N"]) == 0
         page = to.read_text(encoding="utf-8")
         assert "Measured curve" in Outline(page).titles
         assert "path 0 to 2 mm, 3 points" in page
-        capsys.readouterr()
+        assert capsys.readouterr().out.startswith(str(to))
         to.unlink()
         assert main([*command, "--units", "MPa, N"]) == 2
         assert "MPa" in capsys.readouterr().err
@@ -310,28 +301,32 @@ class TestMeasuredCurve:
         history = shellcut.read(out).history
         curve = MeasuredCurve(history["time"][::9], history["force"][::9], x_unit="s", y_unit="N")
         found = shellcut.compare(out, curve, x="time")
-        page = report_run(out, tmp_path / "r.html", measured=found).read_text(encoding="utf-8")
-        force = page[page.index("<h2>Force</h2>") :].split("</section>")[0]
-        assert "measured" not in force
+        page = report_of(out, tmp_path / "r.html", measured=found)
+        assert "measured" not in section(page, "Force")
         assert "time [s]</p>" in page
 
 
 class TestFigures:
-    def test_units_come_from_the_names(self):
-        assert with_unit("tool_work_Nmm", 12.3456) == "12.35 N·mm"
-        assert with_unit("angle_end_deg", 95.0008) == "95°"
-        assert with_unit("unfelt_penetration_mm", 0.1254) == "0.1254 mm"
-        assert with_unit("n_quad", 8649) == "8,649"
-        assert with_unit("version", "1.0") == "1.0"
-        assert key_figures({"new_thing_mm": 1.5}) == [("new thing", "1.5 mm")]
+    @pytest.mark.parametrize(
+        ("name", "value", "said"),
+        [
+            ("tool_work_Nmm", 12.3456, "12.35 N·mm"),
+            ("angle_end_deg", 95.0008, "95°"),
+            ("n_quad", 8649, "8,649"),
+            ("version", "1.0", "1.0"),
+        ],
+    )
+    def test_units_come_from_the_names(self, name, value, said):
+        assert with_unit(name, value) == said
 
     def test_the_window_is_said_beside_what_was_taken_over_it(self):
         figures = {"torque_plateau_Nmm": 143.5, "dW_dtheta_Nmm": 141.3, "torque_peak_Nmm": 162.7}
-        figures |= {"window_from_deg": 25.92, "window_to_deg": 70.2}
+        figures |= {"window_from_deg": 25.92, "window_to_deg": 70.2, "new_thing_mm": 1.5}
         assert key_figures(figures) == [
             ("torque, mean over 25.9-70.2°", "143.5 N·mm"),
             ("torque, peak", "162.7 N·mm"),
             ("tool's work per radian over 25.9-70.2°", "141.3 N·mm"),
+            ("new thing", "1.5 mm"),
         ]
         figures = {"force_plateau_N": 3.26, "window_from_mm": 6.46, "window_to_mm": 27.3}
         assert key_figures(figures) == [("force, mean over 6.46-27.3 mm", "3.26 N")]
@@ -389,31 +384,19 @@ class TestChart:
     def test_of_many_points_some_are_drawn_and_names_stand_at_their_axis(self):
         n = 1201
         names = ("caps/<b>.stl", "caps/a_very_long_name_of_a_file.stl")
-        html = panel(
-            Axis("file", "", np.arange(n) % 2.0, names), Axis("f", "N", np.ones(n)), ["x"] * n
-        )
+        file = Axis("file", "", np.arange(n) % 2.0, names)
+        html = panel(file, Axis("f", "N", np.ones(n)), ["x"] * n)
         (points,), layout = drawn(html)
         assert len(points["x"]) == len(points["text"]) == 401
         assert layout["xaxis"]["ticktext"] == ["&lt;b&gt;.stl", "a_very_long_name…"]
 
 
-class TestCommand:
-    @pytest.mark.usefixtures("undrawn")
-    def test_it_says_where_the_report_is(self, out, tmp_path, capsys):
-        assert main(["report", str(out), "-o", str(tmp_path / "r.html")]) == 0
-        assert capsys.readouterr().out.startswith(str(tmp_path / "r.html"))
-        assert (tmp_path / "r.html").exists()
-
-    @pytest.mark.parametrize(("made", "said"), [(True, "none of them"), (False, "no such folder")])
-    def test_no_run_ends_with_two(self, tmp_path, capsys, made, said):
-        folder = tmp_path / "empty"
-        if made:
-            folder.mkdir()
-        assert main(["report", str(folder)]) == 2
-        error = capsys.readouterr().err
-        assert said in error
-        assert str(folder) in error
-        assert "Traceback" not in error
+def test_of_no_folder_the_command_ends_with_two(tmp_path, capsys):
+    assert main(["report", str(tmp_path / "none")]) == 2
+    error = capsys.readouterr().err
+    assert "no such folder" in error
+    assert str(tmp_path / "none") in error
+    assert "Traceback" not in error
 
 
 LISTEN = """<script>
@@ -455,11 +438,11 @@ class TestInABrowser:
         assert min(widths) > 400
 
     def test_values_are_read_by_pointing(self, tried):
-        plot = tried.page.locator(".chart").first.locator(".nsewdrag").first
+        chart = tried.page.locator(".chart").first
+        plot = chart.locator(".nsewdrag").first
         plot.scroll_into_view_if_needed()
         plot.hover(position={"x": 150, "y": 40})
-        read = tried.page.locator(".chart").first.locator(".hoverlayer .legend")
-        words = " ".join(read.locator("text").all_text_contents())
+        words = " ".join(chart.locator(".hoverlayer .legend text").all_text_contents())
         assert re.search(r"path [\d.]+ mm", words)
         total, measured = (
             float(re.search(rf"{name} : (\S+) N", words)[1]) for name in ("total", "measured")
@@ -483,10 +466,9 @@ class TestInABrowser:
         box = plot.bounding_box()
         range_of = "document.querySelector('.chart > div').layout.xaxis.range"
         low, high = page.evaluate(range_of)
+        middle = box["y"] + 0.5 * box["height"]
         for share, act in ((0.4, page.mouse.down), (0.6, page.mouse.up)):
-            page.mouse.move(
-                box["x"] + share * box["width"], box["y"] + 0.5 * box["height"], steps=4
-            )
+            page.mouse.move(box["x"] + share * box["width"], middle, steps=4)
             act()
         page.wait_for_timeout(200)
         wanted = [low + share * (high - low) for share in (0.4, 0.6)]

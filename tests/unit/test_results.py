@@ -1,11 +1,11 @@
 """What a run leaves is read back: history, frames, figures, also before it has ended."""
 
 import dataclasses
-import json
+import os
 import re
+import signal
 import subprocess
 import sys
-import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +13,15 @@ import pytest
 
 import shellcut
 import shellcut.view
+from notched_strip import cutting
 from opening_frame import opening_frame
+from same_run import assert_same_run
 from shellcut import Recorder, guillotine
 from shellcut.command_line import main
 from shellcut.frame import JOINTED
+from shellcut.models import Case
 from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.recorder import RunEnded
 from shellcut.results.vtkhdf import VtkHdfWriter
 from test_vtkhdf import assert_same
 
@@ -46,18 +50,10 @@ def run(tmp_path_factory):
         written.append(frame)
         write(output, frame)
 
+    numbers = {"n_row": 40, "n_frame": 8, "n_snapshot": 0, "progress": False}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(VtkHdfWriter, "append", append)
-        recorder = Recorder(
-            case.simulation,
-            folder,
-            until=case.duration,
-            name="strip",
-            n_row=40,
-            n_frame=8,
-            n_snapshot=0,
-            progress=False,
-        )
+        recorder = Recorder(case.simulation, folder, until=case.duration, name="strip", **numbers)
         case.simulation.run(case.duration, [recorder])
     return folder, written, case.simulation
 
@@ -97,20 +93,15 @@ def test_history_figures_and_splits(run):
         rotation, translation = results.tool_pose(k)
         np.testing.assert_array_equal(rotation, np.eye(3))
         np.testing.assert_array_equal(translation, sim.motion.pose(results.times[k])[1])
-    last = results.frame(-1)
-    assert len(last.cable_segments) == len(last.cable_opening) == len(written[-1].cable_state) > 0
-    np.testing.assert_array_equal(last.cable_state, written[-1].cable_state)
     shown = repr(results)
-    assert "history: " in shown
-    assert "time, path, force, " in shown
+    assert "time, path, force, " in shown.partition("history: ")[2]
     assert re.search(r"frames: \d+, path 0 to [34]\.?\d* mm, time 0 to", shown)
 
 
 def test_the_cut_s_quality_over_the_frames(run):
     folder, written, _ = run
     figures = shellcut.read(folder).cut_quality()
-    assert figures.units["crack_length"] == "mm"
-    assert figures.units["path"] == "mm"
+    assert (figures.units["crack_length"], figures.units["path"]) == ("mm", "mm")
     assert set(figures) == set(figures.units)
     crack = figures["crack_length"]
     assert crack[0] == pytest.approx(1.6, rel=1e-3)  # the notch
@@ -127,44 +118,45 @@ def test_a_run_that_was_killed_or_has_no_frame_yet(tmp_path):
     frames = leave(tmp_path / "out")
     results = shellcut.read(tmp_path / "out")
     assert results.history["torque"].tolist() == [144.0, 145.0, 146.0, 147.0, 148.0]
-    assert results.summary == {}
-    assert results.splits == {}
+    assert (results.summary, results.splits) == ({}, {})
     assert "the run has not ended" in repr(results)
     assert_same(results.frame(1), frames[1])
-    (tmp_path / "out" / "summary.json").write_text('{"n_quad": 3')  # no run leaves it half written
+    summary = tmp_path / "out" / "summary.json"
+    summary.write_text('{"n_quad": 3')  # no run leaves it half written
     with pytest.raises(ValueError, match=r"summary\.json, line 1, column 13: must be JSON"):
         shellcut.read(tmp_path / "out")
-    (tmp_path / "out" / "summary.json").write_text(json.dumps({"n_quad": 3}))
+    summary.write_text('{"n_quad": 3}')
     assert shellcut.read(tmp_path / "out" / "made.vtkhdf").summary == {"n_quad": 3}
     leave(tmp_path / "out", n=0)
     results = shellcut.read(tmp_path / "out")
-    assert results.n_frame == 0
-    assert results.coordinate_name == "angle"
+    assert (results.n_frame, results.coordinate_name) == (0, "angle")
     assert len(results.cut_quality()["n_piece"]) == 0
     with pytest.raises(IndexError, match="none yet, got 0"):
         results.frame(0)
 
 
+WRITER = """
+import dataclasses, sys, time
+sys.path.insert(0, {folder!r})
+from opening_frame import opening_frame
+from shellcut.results.vtkhdf import VtkHdfWriter
+
+frames = [opening_frame(a, n_side=8) for a in (0.0, 30.0, 60.0)]
+writer = VtkHdfWriter({path!r})
+print("begun", flush=True)
+for k in range(25):
+    writer.append(dataclasses.replace(frames[k % 3], time=1.0 + k))
+    time.sleep(0.03)
+sys.stdin.read()
+"""
+
+
 def test_a_run_that_another_process_is_writing(tmp_path):
     # Frames come as fast as they can; whatever is read meanwhile must be whole.
-    path = tmp_path / "made.vtkhdf"
-    script = textwrap.dedent(f"""
-        import dataclasses, sys, time
-        sys.path.insert(0, {str(__file__)!r}.rpartition("/")[0])
-        from opening_frame import opening_frame
-        from shellcut.results.vtkhdf import VtkHdfWriter
-
-        frames = [opening_frame(a, n_side=8) for a in (0.0, 30.0, 60.0)]
-        writer = VtkHdfWriter({str(path)!r})
-        print("begun", flush=True)
-        for k in range(40):
-            writer.append(dataclasses.replace(frames[k % 3], time=1.0 + k))
-            time.sleep(0.05)
-        sys.stdin.read()
-    """)
-    with subprocess.Popen(
-        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    ) as writing:
+    script = WRITER.format(folder=str(Path(__file__).parent), path=str(tmp_path / "made.vtkhdf"))
+    command = [sys.executable, "-c", script]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, **pipes) as writing:
         assert writing.stdout.readline() == b"begun\n"
         wanted = [opening_frame(a, n_side=8) for a in (0.0, 30.0, 60.0)]
         seen = set()
@@ -196,36 +188,20 @@ def test_what_is_not_there_is_said(tmp_path):
         _ = results.resistance_name
 
 
-def test_curves_are_drawn_from_what_was_read(run, tmp_path):
-    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
-    folder, *_ = run
-    results = shellcut.read(folder)
-    assert results.plot_torque() == folder / "force.png"
-    assert results.plot_energy(tmp_path / "ledger.png") == tmp_path / "ledger.png"
-    for path in (folder / "force.png", tmp_path / "ledger.png"):
-        assert path.read_bytes().startswith(b"\x89PNG")
-
-
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
     frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
     c = sim.state.cable
-    ends = c.at_ends(sim.state.node.x)
-    wanted = []
-    for state in (0, 1):
-        ids = [k for k in range(c.count) if c.status[k] == state]
-        minus, plus = ends[ids, 0], ends[ids, 1]
-        rows = [(minus, plus)] if state == 0 else [(minus, c.joint[ids]), (c.joint[ids], plus)]
-        wanted += [(a, b, c.opening[ids], c.traction[ids], state) for a, b in rows]
-    assert (c.status[: c.count] == 2).any()  # some are broken, and not shown
-    np.testing.assert_array_equal(
-        frame.cable_segments, np.concatenate([np.stack(row[:2], axis=1) for row in wanted])
-    )
-    np.testing.assert_array_equal(frame.cable_opening, np.concatenate([row[2] for row in wanted]))
-    np.testing.assert_array_equal(frame.cable_traction, np.concatenate([row[3] for row in wanted]))
-    np.testing.assert_array_equal(
-        frame.cable_state, np.concatenate([np.full(len(row[2]), row[4]) for row in wanted])
-    )
+    ends, status = c.at_ends(sim.state.node.x), c.status[: c.count]
+    straight, bent = np.flatnonzero(status == 0), np.flatnonzero(status == JOINTED)
+    assert (status == 2).any()  # some are broken, and not shown
+    ids = np.concatenate((straight, bent, bent))
+    segments = [ends[straight], np.stack((ends[bent, 0], c.joint[bent]), axis=1)]
+    segments.append(np.stack((c.joint[bent], ends[bent, 1]), axis=1))
+    np.testing.assert_array_equal(frame.cable_segments, np.concatenate(segments))
+    np.testing.assert_array_equal(frame.cable_opening, c.opening[ids])
+    np.testing.assert_array_equal(frame.cable_traction, c.traction[ids])
+    np.testing.assert_array_equal(frame.cable_state, status[ids])
     points = sim.tool.vertices @ frame.tool_rotation.T + frame.tool_translation
     np.testing.assert_array_equal(frame.tool_points, points)
     np.testing.assert_array_equal(frame.edge_points, points[sim.tool.edges])
@@ -242,19 +218,47 @@ def test_capture_of_a_film_without_a_tool():
     assert frame.quad_thickness.tolist() == [0.074]
 
 
-@pytest.mark.parametrize(
-    ("command", "more"), [("view", ["-o", "page.html"]), ("compare", ["cap.csv"])]
-)
-def test_commands_name_file_line_and_column_of_a_bad_cell(
-    tmp_path, monkeypatch, capsys, command, more
-):
+@pytest.mark.parametrize("command", ["view out -o page.html", "compare out cap.csv"])
+def test_commands_name_file_line_and_column_of_a_bad_cell(tmp_path, monkeypatch, capsys, command):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cap.csv").write_text("angle,torque\n0,1\n1,2\n2,3\n")
     leave(tmp_path / "out")
-    history = tmp_path / "out" / "history.csv"
-    lines = history.read_text().splitlines(keepends=True)
-    lines[3] = lines[3].replace("146.0", "146.O")
-    history.write_text("".join(lines))
-    assert main([command, "out", *more]) == 2
+    history = Path("out") / "history.csv"
+    history.write_text(history.read_text().replace("146.0", "146.O"))
+    assert main(command.split()) == 2
     said = ", line 4, column 'torque [N*mm]': must be a number, got '146.O'"
-    assert f"refused: {Path('out') / 'history.csv'}{said}" in capsys.readouterr().err
+    assert f"refused: {history}{said}" in capsys.readouterr().err
+
+
+KILLED = """
+import os, signal, sys
+sys.path.insert(0, {tests!r})
+from notched_strip import cutting
+from shellcut.models import Case
+from shellcut import Results
+
+def kill(*_, **__):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+Results.plot_energy = kill
+Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0, progress=False)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path):
+    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)
+    script = KILLED.format(tests=os.path.dirname(__file__), folder=str(part), end=8e-6)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+    assert done.returncode == -signal.SIGKILL, done.stderr.decode()
+    assert (part / "force.png").exists()
+    assert not (part / "energy.png").exists()
+    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
+    assert_same_run(part, whole)
+    for picture in whole.glob("*.png"):
+        assert (part / picture.name).read_bytes() == picture.read_bytes(), picture.name
+    # Now it has ended.
+    with pytest.raises(RunEnded):
+        Recorder(cutting(), part, until=8e-6, name="cut", resume=True, progress=False)

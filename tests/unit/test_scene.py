@@ -15,7 +15,7 @@ from shellcut import CohesiveLaw, guillotine
 from shellcut.command_line import main
 from shellcut.frame import Frame
 from shellcut.unit import showing
-from shellcut.view import Look, draw_movie, draw_scene, movie, progress, snapshot
+from shellcut.view import Look, draw_movie, draw_scene, movie, snapshot
 from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
 from shellcut.view.fields import at_corners, field_limits, fields_of
 from shellcut.view.snapshot import close_camera, tooth_ball, whole_camera
@@ -26,6 +26,8 @@ pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
 FRAMES = [opening_frame(angle, n_side=10) for angle in (5.0, 25.0, 45.0)]
 SIZE = (480, 320)
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+CORNER = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
+"""A triangle over half of a picture of 40 x 40 pixels."""
 
 
 def pixels(path):
@@ -39,6 +41,7 @@ def near(image, color, tolerance=0.12):
 
 
 def membrane_only():
+    """A frame without tool and cut."""
     frame = opening_frame(0.0, n_side=6)
     left_out = ("tool", "edge", "cable", "crack", "scalar")
     names = [f.name for f in dataclasses.fields(Frame) if not f.name.startswith(left_out)]
@@ -63,10 +66,9 @@ class TestCanvas:
         np.testing.assert_allclose(canvas.depth, wanted, rtol=0.0, atol=9.0 * 2.0**-23)
 
     def test_values_run_from_corner_to_corner_and_light_follows_the_normal(self):
-        corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
         greys = np.linspace(0.0, 1.0, 256)[:, None] * np.ones(3)
         canvas = Canvas((40, 40))
-        canvas.draw(corners, greys, np.array([[0.0, 1.0, 0.5]]))
+        canvas.draw(CORNER, greys, np.array([[0.0, 1.0, 0.5]]))
         y, x = np.divmod(np.arange(40 * 40), 40)
         wanted = ((x + 0.5) + 0.5 * (y + 0.5)) / 40.0  # slow reference: barycentric
         seen = np.isfinite(canvas.depth)
@@ -75,15 +77,14 @@ class TestCanvas:
 
         def bright(normal):
             lit = Canvas((40, 40))
-            normals = np.broadcast_to(np.asarray(normal, float), (1, 3, 3))
-            lit.draw(corners, 0.5 * np.ones(3), normals=normals)
+            lit.draw(CORNER, 0.5 * np.ones(3), normals=np.tile(normal, (1, 3, 1)))
             return float(lit.color[0, 0])
 
-        aside = [0.3, -0.2, 0.9]
+        aside = np.array([0.3, -0.2, 0.9])
         assert bright(3.0 * LAMP) > bright([0.0, 0.0, 1.0]) > bright(aside)
         # The film has two sides alike; the length of a normal does not matter.
         for factor in (-1.0, 7.0):
-            assert bright(factor * np.array(aside)) == pytest.approx(bright(aside), rel=1e-6)
+            assert bright(factor * aside) == pytest.approx(bright(aside), rel=1e-6)
 
     def test_a_shadow_falls_where_the_lamp_does_not_see(self):
         square = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
@@ -145,78 +146,8 @@ def test_projection_puts_the_centre_in_the_middle_and_up_on_top():
     np.testing.assert_allclose(at, [[50, 40, 0], [60, 40, 0], [50, 30, 0], [50, 40, 10]])
 
 
-@pytest.mark.parametrize("angle", [10.0, 30.0, 60.0])
-def test_the_close_camera_goes_with_the_tooth(angle):
-    frame = opening_frame(angle, n_side=20)
-    edge = frame.edge_points[:12]
-    whole = whole_camera([frame], (300, 400), Look())
-    camera = close_camera(frame, whole, (300, 400))
-    np.testing.assert_array_equal(camera.axes, whole.axes)
-    assert camera.scale > whole.scale
-    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
-    # most cables of this tooth, and its edge, are in the picture
-    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
-    shown = np.concatenate((edge, frame.cable_segments[near_tooth])).reshape(-1, 3)
-    at = camera.project(shown)[:, :2]
-    assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
-
-
-def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
-    path = tmp_path / "snap.png"
-    frame = opening_frame(45.0)
-    none = slice(0, 0)
-    uncut = dataclasses.replace(
-        frame,
-        cable_segments=frame.cable_segments[none],
-        cable_state=frame.cable_state[none],
-        cable_traction=frame.cable_traction[none],
-        cable_opening=frame.cable_opening[none],
-        tool_triangles=frame.tool_triangles[none],
-        tool_tooth=frame.tool_tooth[none],
-        crack_edges=frame.crack_edges[none],
-    )
-    counts = []
-    for shown in (frame, uncut):
-        draw_scene(path, shown, close_up=True, size=(800, 400))
-        image = pixels(path)
-        assert image.shape == (400, 800, 3)
-        right = image[50:350, 455:785]
-        orange, blue, flanks = (1.0, 0.55, 0.0), (0.0, 0.75, 1.0), (0.05, 0.05, 0.05)
-        colors = (orange, blue, EDGE_COLOR, flanks)
-        counts.append([near(right, color, 0.15) for color in colors])
-    drawn, missing = counts
-    # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)
-    assert drawn[0] > 200
-    assert drawn[1] > 10
-    assert min(drawn[2], missing[2]) > 40
-    assert drawn[3] > missing[3] + 80
-    assert missing[0] < 0.1 * drawn[0]  # yellow film
-    assert missing[1] == 0
-
-
-def test_a_membrane_alone_is_drawn_in_one_panel(tmp_path):
-    path = tmp_path / "snap.png"
-    draw_scene(path, membrane_only(), close_up=True, size=(360, 240))
-    assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
-
-
-def test_without_matplotlib_the_error_names_the_remedy(tmp_path):
-    script = (
-        "import sys; sys.modules['matplotlib'] = None\n"
-        "import shellcut.view\n"
-        "try:\n"
-        "    shellcut.view.draw_curves('x.png', [])\n"
-        "except ImportError as error:\n"
-        "    print(error)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=True
-    )
-    assert "pip install 'shellcut-fem[plot]'" in done.stdout
-
-
-@pytest.mark.parametrize("angle", [0.0, 45.0, 80.0])
-def test_the_close_up_holds_the_tooth_and_the_whole_holds_its_circle(angle):
+@pytest.mark.parametrize("angle", [0.0, 30.0, 80.0])
+def test_the_close_camera_goes_with_the_tooth_and_shows_all_of_it(angle):
     frame = opening_frame(angle, n_side=10)
     centre, radius = tooth_ball(frame)
     tooth = frame.tool_points[frame.tool_triangles[frame.tool_tooth == 1]].reshape(-1, 3)
@@ -227,16 +158,46 @@ def test_the_close_up_holds_the_tooth_and_the_whole_holds_its_circle(angle):
     height, width = whole.shape
     x, y, _ = whole.project(centre)
     assert whole.scale * radius < min(x, y, width - x, height - y)
+    camera = close_camera(frame, whole, (300, 400))
+    np.testing.assert_array_equal(camera.axes, whole.axes)
+    assert camera.scale > whole.scale
+    assert np.linalg.norm(camera.centre[:2]) == pytest.approx(RADIUS, abs=0.5)
+    # most cables of this tooth, and its edge, are in the picture
+    near_tooth = np.linalg.norm(frame.cable_segments.mean(axis=1) - camera.centre, axis=1) < 2.0
+    shown = np.concatenate((frame.edge_points[:12], frame.cable_segments[near_tooth]))
+    at = camera.project(shown.reshape(-1, 3))[:, :2]
+    assert ((at > 0) & (at < [800, 600])).all(axis=1).mean() > 0.9
 
 
-@pytest.mark.parametrize("colormap", ["viridis", "inferno", "turbo"])
+def test_a_snapshot_shows_cables_edges_and_tool(tmp_path):
+    frame = opening_frame(45.0)
+    left_out = ("cable_", "tool_triangles", "tool_tooth", "crack_edges")
+    names = [f.name for f in dataclasses.fields(Frame) if f.name.startswith(left_out)]
+    uncut = dataclasses.replace(frame, **{name: getattr(frame, name)[:0] for name in names})
+    orange, blue, flanks = (1.0, 0.55, 0.0), (0.0, 0.75, 1.0), (0.05, 0.05, 0.05)
+    counts = []
+    for shown in (frame, uncut):
+        draw_scene(tmp_path / "snap.png", shown, close_up=True, size=(800, 400))
+        image = pixels(tmp_path / "snap.png")
+        assert image.shape == (400, 800, 3)
+        right = image[50:350, 455:785]
+        counts.append([near(right, color, 0.15) for color in (orange, blue, EDGE_COLOR, flanks)])
+    drawn, missing = counts
+    # measured 357, 20, 72, 288 and 0, 0, 54, 158 (the scale bar and its text)
+    assert drawn[0] > 200
+    assert drawn[1] > 10
+    assert min(drawn[2], missing[2]) > 40
+    assert drawn[3] > missing[3] + 80
+    assert missing[0] < 0.1 * drawn[0]  # yellow film
+    assert missing[1] == 0
+
+
+@pytest.mark.parametrize("colormap", ["viridis", "turbo"])
 def test_light_keeps_the_hue_of_the_map(colormap):
-    colors = Look(colormap=colormap).colors()
-    corners = np.array([[[0.0, 0, 0], [40, 0, 0], [0, 40, 0]]])
     rng = np.random.default_rng(3)
-    for color in colors[::16]:
+    for color in Look(colormap=colormap).colors()[::16]:
         canvas = Canvas((40, 40))
-        canvas.draw(corners, color, normals=rng.normal(size=(1, 3, 3)))
+        canvas.draw(CORNER, color, normals=rng.normal(size=(1, 3, 3)))
         seen = canvas.color[np.isfinite(canvas.depth)]
         assert seen.max() <= 1.0 + 1e-6
         factor = seen @ color / (color @ color)
@@ -244,11 +205,15 @@ def test_light_keeps_the_hue_of_the_map(colormap):
         assert np.ptp(factor) > 0.05
 
 
-def test_what_cannot_be_written_or_read_is_refused(tmp_path):
+def test_a_membrane_alone_is_drawn_in_one_panel_and_what_cannot_be_written_is_refused(tmp_path):
+    path = tmp_path / "snap.png"
+    draw_scene(path, membrane_only(), close_up=True, size=(360, 240))
+    assert (pixels(path)[60:200, 100:260] < 0.99).any(axis=2).mean() > 0.8
+    path.unlink()
     with pytest.raises(ValueError, match=r"ends with \.png, .*a page's with \.html; got 'a\.xyz'"):
         draw_scene(tmp_path / "a.xyz", membrane_only())
     with pytest.raises(ValueError, match=r"at least 160 x 160 pixels, got \(10, 10\)"):
-        draw_scene(tmp_path / "a.png", membrane_only(), size=(10, 10))
+        draw_scene(path, membrane_only(), size=(10, 10))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -268,32 +233,20 @@ def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, mon
     assert label == "largest principal stress [lbf/in²]"
 
 
-def test_a_scene_shows_edges_flanks_and_film(tmp_path, capfd):
-    draw_scene(tmp_path / "scene.png", FRAMES[2], size=SIZE)
-    image = pixels(tmp_path / "scene.png")
-    assert image.shape == (320, 480, 3)
-    drawn = image[35:260]  # without title and legend
-    without = dataclasses.replace(
-        FRAMES[2], edge_points=np.zeros((0, 2, 3)), edge_tooth=np.zeros(0, int)
-    )
-    draw_scene(tmp_path / "without.png", without, size=SIZE)
-    edges = near(drawn, EDGE_COLOR)
-    assert edges > 15
-    assert near(pixels(tmp_path / "without.png")[35:260], EDGE_COLOR) < 0.2 * edges
-    assert (drawn < 0.95).any(axis=2).mean() > 0.2
-    assert capfd.readouterr().err == ""
+# Of the film's largest stress in viridis.
+YELLOW = (0.95, 0.9, 0.2)
 
 
 @pytest.mark.parametrize(
     ("look", "color", "least", "most"),
     [
-        # Share of the picture that has the colour of the film's largest stress, viridis' yellow.
-        ({}, (0.95, 0.9, 0.2), 0.1, 0.9),
-        ({"field": "largest principal, bottom"}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"colormap": "inferno"}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"high": 1000.0}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"hide": ["film"]}, (0.95, 0.9, 0.2), 0.0, 0.01),
-        ({"zoom": 0.3}, (0.95, 0.9, 0.2), 0.005, 0.08),
+        # Share of the picture that has the colour.
+        ({}, YELLOW, 0.1, 0.9),
+        ({"field": "largest principal, bottom"}, YELLOW, 0.0, 0.01),
+        ({"colormap": "inferno"}, YELLOW, 0.0, 0.01),
+        ({"high": 1000.0}, YELLOW, 0.0, 0.01),
+        ({"hide": ["film"]}, YELLOW, 0.0, 0.01),
+        ({"zoom": 0.3}, YELLOW, 0.005, 0.08),
         ({}, EDGE_COLOR, 2e-4, 0.1),
         ({"hide": ["edges"]}, EDGE_COLOR, 0.0, 1e-4),
     ],
@@ -308,59 +261,56 @@ def test_a_look_is_kept(tmp_path, look, color, least, most):
 
 
 def test_parts_hide_what_they_name(tmp_path):
-    count = {}
-    for part in ("none", "tool", "mesh", "flanks", "cables"):
-        hide = [] if part == "none" else [part]
+    def drawn(*hide):
         draw_scene(tmp_path / "s.png", FRAMES[2], look=Look(hide=hide), size=SIZE)
-        count[part] = pixels(tmp_path / "s.png")[35:260]
+        return pixels(tmp_path / "s.png")[35:260]
+
+    whole = drawn()
     for part in ("tool", "mesh", "flanks", "cables"):
-        assert (np.abs(count[part] - count["none"]).max(axis=2) > 0.02).sum() > 40, part
+        assert (np.abs(drawn(part) - whole).max(axis=2) > 0.02).sum() > 40, part
 
 
 @pytest.mark.parametrize("of", ["quad", "node"])
 def test_smooth_colours_run_from_node_to_node_and_not_across_a_crack(of):
     frame = FRAMES[2]
-    field = fields_of(frame)["thickness" if of == "quad" else "displacement z"]
-    rng = np.random.default_rng(3)
-    values = rng.uniform(size=len(frame.quads if of == "quad" else frame.points))
-    field = dataclasses.replace(field, values=lambda _: values)
+    n, name = (len(frame.quads), "thickness") if of == "quad" else (len(frame.points), "speed")
+    values = np.random.default_rng(3).uniform(size=n)
+    field = dataclasses.replace(fields_of(frame)[name], values=lambda _: values)
     smooth, flat = (at_corners(field, frame, smooth) for smooth in (True, False))
     for node in frame.crack_edges[0].ravel():  # of one flank: the mean of its own quads
         at = frame.quads == node
         mean = values[at.any(axis=1)].mean() if of == "quad" else values[node]
         np.testing.assert_allclose(smooth[at], mean)
     assert np.ptp(flat, axis=1).max() == 0.0
-    np.testing.assert_allclose(
-        flat[:, 0], values if of == "quad" else values[frame.quads].mean(axis=1)
-    )
+    own = values if of == "quad" else values[frame.quads].mean(axis=1)
+    np.testing.assert_allclose(flat[:, 0], own)
 
 
-def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames():
-    frame = opening_frame(30.0, n_side=10)
-    zero, stress = np.zeros(len(frame.quads)), frame.quad_principal[:, 0]
-    damage = fields_of(dataclasses.replace(frame, quad_history={"damage [-]": zero}))["damage"]
-    assert (damage.unit, damage.of) == ("-", "quad")
-    for arrays, sign, limits in (
-        ([zero], 0, (0.0, 1.0)),
+@pytest.mark.parametrize(
+    ("arrays", "sign", "limits"),
+    [
+        ([np.zeros(9)], 0, (0.0, 1.0)),
         ([np.array([]), np.array([])], 0, (0.0, 1.0)),
         ([np.full(3, 5.0)], 0, (0.0, 5.0)),
         ([np.full(4000, 1.0), np.append(np.zeros(4000), 1e3)], 1, (0.0, 1.0)),
         ([np.array([-3.0, 0.1])], -1, (-3.0, 0.0)),
-        ([-stress], 1, (0.0, 1.0)),
-    ):
-        assert field_limits(arrays, sign) == limits
-    low, high = field_limits([stress], 1)
-    assert low == 0.0
-    assert high in (15.0, 20.0)
-    assert (stress <= high).mean() > 0.99
+        ([-np.ones(9)], 1, (0.0, 1.0)),
+        # Of 100 values to 14.4 nearly all.
+        ([np.linspace(3.0, 14.4, 100)], 1, (0.0, 15.0)),
+    ],
+)
+def test_scales_are_round_and_enclose_nearly_all_numbers_of_all_frames(arrays, sign, limits):
+    assert field_limits(arrays, sign) == limits
 
 
 def test_names_and_limits_of_fields():
-    frame = dataclasses.replace(
-        FRAMES[0], quad_principal=np.tile([4.0, -12.0], (len(FRAMES[0].quads), 1))
-    )
+    principal = np.tile([4.0, -12.0], (len(FRAMES[0].quads), 1))
+    frame = dataclasses.replace(FRAMES[0], quad_principal=principal)
     # sqrt(16 + 48 + 144) = 14.42
     np.testing.assert_allclose(Look(field="von Mises").field_of(frame).values(frame), np.sqrt(208))
+    damaged = dataclasses.replace(frame, quad_history={"damage [-]": principal[:, 0]})
+    damage = fields_of(damaged)["damage"]
+    assert (damage.unit, damage.of) == ("-", "quad")
     smallest = Look(field="smallest principal").field_of(frame)
     values = [smallest.values(frame)]
     assert Look().limits_for(values, smallest.sign) == (-15.0, 0.0)
@@ -372,10 +322,9 @@ def test_names_and_limits_of_fields():
     ]:
         with pytest.raises(ValueError, match=said):
             draw_scene("never.png", frame, look=Look(**wrong))
-    with pytest.raises(ValueError, match="hide must be") as refused:
+    wrong = r"hide must be .*got \['shaft'\](.|\n)*elevation must be(.|\n)*zoom must be positive"
+    with pytest.raises(ValueError, match=wrong):
         Look(hide=["shaft"], elevation=91.0, zoom=0.0)
-    for said in ("got ['shaft']", "elevation must be", "zoom must be positive"):
-        assert said in str(refused.value)
 
 
 @pytest.mark.parametrize("name", ["cut.gif", "cut.webp"])
@@ -428,44 +377,29 @@ def test_every_image_of_a_movie_is_the_still_of_its_frame(tmp_path, monkeypatch)
         np.testing.assert_array_equal(image, np.rint(255.0 * pixels(path)))
 
 
-def test_a_movie_says_how_far_it_is(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
-    draw_movie(tmp_path / "cut.gif", FRAMES, size=(240, 160))
-    said = capsys.readouterr().err.splitlines()
-    assert [line.split(" %")[0] for line in said] == [f"cut.gif: {n}" for n in (0, 33, 66, 100)]
-    assert said[1].endswith(" left")
-    assert said[-1] == "cut.gif: 100 %"
-
-
-def test_the_command_draws_the_frames_of_a_folder(tmp_path, monkeypatch, capsys):
+def test_the_command_draws_the_frames_of_a_folder(tmp_path, capsys):
     folder = write_run(tmp_path / "run", "cut", [0.0, 1.0], [0.0, 5.0])
-    path = tmp_path / "cut.gif"
-    assert main(["view", str(folder), "-o", str(path), "--low", "0", "--high", "20"]) == 0
+    path, view = tmp_path / "cut.gif", ["view", str(folder)]
+    assert main([*view, "-o", str(path), "--low", "0", "--high", "20"]) == 0
     with pillow.open(path) as drawn:
         assert drawn.n_frames == shellcut.read(folder).n_frame
     out, err = capsys.readouterr()
     assert out.startswith(f"{path} (")
     assert "100 %" in err
-    assert main(["view", str(folder), "-o", "cut.gif", "--field", "tresca"]) == 2
-    err = capsys.readouterr().err
-    assert "got 'tresca'" in err
-    assert main(["view", str(folder), "--frame", "0"]) == 0
+    assert main([*view, "--frame", "0"]) == 0
     still = folder / "frame_0000.png"
     assert capsys.readouterr().out.startswith(f"{still} (")
-    assert main(["view", str(folder), "-o", str(tmp_path / "last.png")]) == 0
+    assert main([*view, "-o", str(tmp_path / "last.png")]) == 0
     assert (tmp_path / "last.png").read_bytes() == still.read_bytes()
-    capsys.readouterr()
-    assert main(["view", str(folder), "--frame", "9"]) == 2
-    assert "0 to 0, got 9" in capsys.readouterr().err
     for wrong, said in [
+        (["-o", "cut.gif", "--field", "tresca"], "got 'tresca'"),
+        (["--frame", "9"], "0 to 0, got 9"),
         (["-o", "a.gif", "--frame", "0"], "--frame belongs to a picture"),
         (["-o", "a.png", "--frames", "2"], "--frames belongs to page and movie"),
         (["-o", "a.html", "--size", "100", "80"], "the page fills its window"),
     ]:
-        assert main(["view", str(folder), *wrong]) == 2
+        assert main([*view, *wrong]) == 2
         assert said in capsys.readouterr().err
-    assert main(["view", str(tmp_path / "none")]) == 2
-    assert "none" in capsys.readouterr().err
 
 
 def test_what_a_movie_needs_is_told(tmp_path, monkeypatch):
@@ -473,10 +407,11 @@ def test_what_a_movie_needs_is_told(tmp_path, monkeypatch):
         draw_movie(tmp_path / "cut.avi", [], size=(101, 50), fps=0.0)
     for said in (".mp4 or .webp or .gif", "one frame", "even numbers", "fps"):
         assert said in str(refused.value)
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    monkeypatch.setattr("shutil.which", lambda name: None)
-    with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[movie\]'"):
-        draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "imageio_ffmpeg", None)
+        patch.setattr("shutil.which", lambda name: None)
+        with pytest.raises(ImportError, match=r"pip install 'shellcut-fem\[movie\]'"):
+            draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE)
     pytest.importorskip("imageio_ffmpeg", reason="needs shellcut-fem[movie]")
     with pytest.raises(OSError, match=r"ffmpeg could not write .*rate"):
         draw_movie(tmp_path / "cut.mp4", FRAMES[:1], size=SIZE, fps=1e300)

@@ -7,15 +7,7 @@ sawtooth of 6.3 cables, whose periods the window cuts anywhere.
 import numpy as np
 import pytest
 
-from shellcut.results.steady_mean import (
-    CHANGED,
-    FALSE_ALARM,
-    LEAST,
-    MOST,
-    change_in,
-    mean_of,
-    n_cosine,
-)
+from shellcut.results.steady_mean import CHANGED, FALSE_ALARM, change_in, mean_of, n_cosine
 
 SPACING, ZONE, N_RUN = 1.0 / 16.0, 1.0, 600
 PERIOD = 6.3 * SPACING
@@ -77,9 +69,9 @@ def test_changes_of_a_fifth_are_found(pieces, change):
 
 
 def test_a_change_has_its_kind_place_and_levels():
-    pieces = 4.0
-    way = np.linspace(2.0, 12.0, 1001)
-    found = change_in(way, 4.0 * way + np.maximum(way - 6.0, 0.0), pieces)
+    pieces, way = 4.0, np.linspace(2.0, 12.0, 1001)
+    rise = np.maximum(way - 6.0, 0.0)
+    found = change_in(way, 4.0 * way + rise, pieces)
     assert found.at == pytest.approx(6.0, abs=0.01)  # a row
     assert (found.before, found.after) == pytest.approx((4.0, 5.0), rel=1e-3)
     # Of a line the ends.
@@ -87,10 +79,8 @@ def test_a_change_has_its_kind_place_and_levels():
     assert found.at is None
     assert (found.before, found.after) == pytest.approx((4.0, 5.0), rel=1e-6)
     # As small a change as need not be refused, and none.
-    assert (
-        change_in(way, 4.0 * way + 0.9 * CHANGED * 4.0 * np.maximum(way - 6.0, 0.0), pieces) is None
-    )
-    assert change_in(way, 4.0 * way, pieces) is None
+    for size in (0.9 * CHANGED * 4.0, 0.0):
+        assert change_in(way, 4.0 * way + size * rise, pieces) is None
 
 
 def test_the_half_width_is_that_of_the_first_cosines():
@@ -106,6 +96,5 @@ def test_the_half_width_is_that_of_the_first_cosines():
     assert mean.half_width == pytest.approx(2.5706 * np.sqrt(np.mean(np.square(parts))), rel=1e-4)
 
 
-def test_a_window_has_two_cosines_a_process_zone():
+def test_a_window_has_two_cosines_a_process_zone_three_to_eight_in_all():
     assert [n_cosine(pieces) for pieces in (0.0, 1.9, 2.0, 3.5, 4.0, 20.0)] == [0, 3, 4, 7, 8, 8]
-    assert (LEAST, MOST) == (3, 8)

@@ -17,10 +17,18 @@ from shellcut.files.folder_lock import LOCK, FolderInUse, FolderLock, TakenFolde
 
 
 @pytest.fixture
-def taken(tmp_path):
-    folder = TakenFolder(tmp_path / "out")
+def out(tmp_path):
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def taken(out):
+    folder = TakenFolder(out)
     yield folder
     folder.lock.close()
+
+
+HISTORY, FRAME = "history.csv", "a_frames/frame_0000.vtu"
 
 
 def fill(folder, *names):
@@ -48,128 +56,106 @@ def run_before(folder, *names):
     fill(folder, *names)
 
 
-def test_what_a_run_wrote_goes_and_all_else_stays(tmp_path):
-    out = tmp_path / "out"
-    run_before(out, "history.csv", "energy.png", "a_frames/frame_0000.vtu", "checkpoint.h5")
+def test_what_a_run_wrote_goes_and_all_else_stays(out):
+    run_before(out, HISTORY, "energy.png", FRAME, "b_frames/frame_0000.vtu", "checkpoint.h5")
     # Of one killed while it wrote its checkpoint.
     fill(out, f"checkpoint.part-{'0a' * 8}.h5")
     mine = ["force_measured.png", "mine.vtkhdf", "snapshot_of_my_part.png", "snapshot_07.png"]
-    mine += ["b_frames/frame_0000.vtu", "notes/history.csv", "checkpoint.part.h5"]
+    mine += ["b_frames/mine.vtu", "notes/history.csv", "checkpoint.part.h5"]
     fill(out, *mine)
-    begin(out, ["history.csv"])
-    assert left(out) == sorted([*mine, FILES])
-    assert not (out / "a_frames").exists()
-    assert FileList(out).names == ["history.csv"]
-
-
-def test_a_folder_of_frames_with_something_else_in_it_stays(tmp_path):
-    out = tmp_path / "out"
-    run_before(out, "a_frames/frame_0000.vtu")
-    fill(out, "a_frames/mine.vtu")
-    begin(out, [])
-    assert left(out) == ["a_frames/mine.vtu", FILES]
-
-
-def test_a_run_is_not_replaced_unasked(tmp_path):
-    out = tmp_path / "out"
-    run_before(out, "history.csv", "energy.png")
     before = left(out)
     with pytest.raises(FileExistsError, match=r"already holds a run, with history\.csv"):
-        begin(out, ["history.csv"], replace=False)
+        begin(out, [HISTORY], replace=False)
     assert left(out) == before
+    begin(out, [HISTORY])
+    assert left(out) == sorted([*mine, FILES])
+    assert not (out / "a_frames").exists()
+    assert FileList(out).names == [HISTORY]
 
 
 @pytest.mark.parametrize("replace", [False, True])
-def test_what_no_run_wrote_is_not_replaced_either(tmp_path, replace):
-    out = tmp_path / "out"
+def test_what_no_run_wrote_is_not_replaced_either(out, replace):
     out.mkdir()
-    fill(out, "history.csv", "snapshot_01.png", "notes.txt")
+    fill(out, HISTORY, "snapshot_01.png", "notes.txt")
     wanted = r"has history\.csv, snapshot_01\.png, which this run would replace although no run wro"
     with pytest.raises(FileExistsError, match=wanted):
-        begin(out, ["history.csv"], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
-    assert left(out) == ["history.csv", "notes.txt", "snapshot_01.png"]
+        begin(out, [HISTORY], ["snapshot_00.png", "snapshot_01.png"], replace=replace)
+    assert left(out) == [HISTORY, "notes.txt", "snapshot_01.png"]
 
 
-def test_a_list_of_another_origin_is_no_list(tmp_path):
-    out = tmp_path / "out"
+def test_a_list_of_another_origin_is_no_list(out, tmp_path):
     out.mkdir()
     fill(out, "precious.txt")
     (out / FILES).write_text("precious.txt\n")
-    with pytest.raises(FileExistsError, match=FILES):
-        begin(out, ["history.csv"])
-    assert left(out) == ["precious.txt", FILES]
+    run_before(tmp_path / "other", HISTORY)
+    linked = tmp_path / "linked"
+    linked.mkdir()
+    fill(linked, HISTORY)
+    (linked / FILES).symlink_to(tmp_path / "other" / FILES)
+    for folder in (out, linked):
+        before = left(folder)
+        assert FileList(folder).names == []
+        with pytest.raises(FileExistsError, match=FILES):
+            begin(folder, [HISTORY])
+        assert left(folder) == before
+    assert FileList(tmp_path / "other").names == [HISTORY]
 
 
-def test_a_list_leads_to_nothing_outside(tmp_path):
-    out = tmp_path / "out"
+def test_a_list_leads_to_nothing_outside(out, tmp_path):
     fill(tmp_path, "precious.txt")
-    run_before(out, "history.csv")
+    run_before(out, HISTORY)
     heading = (out / FILES).read_text().split("\n")[0]
     wrong = ["../precious.txt", str(tmp_path / "precious.txt"), "a/../../precious.txt", "", "."]
     wrong += ["C:\\precious.txt", "\\\\host\\precious.txt"]
-    (out / FILES).write_text("\n".join([heading, *wrong, "history.csv", "precious.t"]))
+    (out / FILES).write_text("\n".join([heading, *wrong, HISTORY, "precious.t"]))
     # The last line was not finished: what it names is not known.
-    assert FileList(out).names == ["history.csv"]
+    assert FileList(out).names == [HISTORY]
     begin(out, [])
     assert (tmp_path / "precious.txt").exists()
 
 
 def test_names_are_listed_before_their_files_are_there(taken):
-    taken.begin(["history.csv"], replace=True)
-    assert FileList(taken.path).names == ["history.csv"]
-    taken.files.add("a_frames/frame_0000.vtu")
-    taken.files.add("history.csv")
-    assert FileList(taken.path).names == ["history.csv", "a_frames/frame_0000.vtu"]
+    taken.begin([HISTORY], replace=True)
+    assert FileList(taken.path).names == [HISTORY]
+    for name in (FRAME, HISTORY):
+        taken.files.add(name)
+    assert FileList(taken.path).names == [HISTORY, FRAME]
     assert FileList(taken.path).there() == []
-    fill(taken.path, "history.csv")
-    assert FileList(taken.path).there() == ["history.csv"]
+    fill(taken.path, HISTORY)
+    assert FileList(taken.path).there() == [HISTORY]
     taken.clear()
     assert left(taken.path) == ["run.lock"]
 
 
-def test_a_run_gone_on_with_keeps_its_list(tmp_path):
-    out = tmp_path / "out"
-    run_before(out, "history.csv", "snapshot_00.png")
+def test_a_run_gone_on_with_keeps_its_list(out):
+    run_before(out, HISTORY, "snapshot_00.png")
     taken = TakenFolder(out)
-    taken.resume(["history.csv", "summary.json"])
-    assert taken.files.names == ["history.csv", "snapshot_00.png", "summary.json"]
+    taken.resume([HISTORY, "summary.json"])
+    assert taken.files.names == [HISTORY, "snapshot_00.png", "summary.json"]
     fill(out, "summary.json", "mine.png")
     taken.files.remove(["summary.json", "mine.png"])
     taken.lock.close()
-    assert left(out) == sorted(["history.csv", FILES, "snapshot_00.png", "mine.png"])
-    assert FileList(out).there() == ["history.csv", "snapshot_00.png"]
+    assert left(out) == sorted([HISTORY, FILES, "snapshot_00.png", "mine.png"])
+    assert FileList(out).there() == [HISTORY, "snapshot_00.png"]
 
 
-def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(tmp_path):
-    out, mine = tmp_path / "out", tmp_path / "mine"
+def test_links_in_a_folder_lead_to_nothing_that_a_run_may_touch(out, tmp_path):
+    mine = tmp_path / "mine"
     mine.mkdir()
-    fill(mine, "frame_0000.vtu", "history.csv")
-    run_before(out, "history.csv", "a_frames/frame_0000.vtu")
-    (out / "history.csv").unlink()
-    (out / "history.csv").symlink_to(mine / "history.csv")
-    (out / "a_frames" / "frame_0000.vtu").unlink()
-    (out / "a_frames").rmdir()
-    (out / "a_frames").symlink_to(mine)
+    fill(mine, "frame_0000.vtu", HISTORY)
+    run_before(out, HISTORY, FRAME)
+    for name, to in ((HISTORY, mine / HISTORY), (FRAME.split("/")[0], mine)):
+        (out / name).rename(tmp_path / f"old {name}")
+        (out / name).symlink_to(to)
     with pytest.raises(FileExistsError, match=r"has a_frames/frame_0000\.vtu"):
-        begin(out, ["history.csv"], ["a_frames/frame_0000.vtu"])
+        begin(out, [HISTORY], [FRAME])
     taken = TakenFolder(out)
-    taken.begin(["history.csv"], replace=True)  # removes the link, not what it leads to
-    assert not (out / "history.csv").is_symlink()
+    taken.begin([HISTORY], replace=True)  # removes the link, not what it leads to
+    assert not (out / HISTORY).is_symlink()
     with pytest.raises(FileExistsError):
-        taken.files.add("a_frames/frame_0000.vtu")
+        taken.files.add(FRAME)
     taken.lock.close()
-    assert left(mine) == ["frame_0000.vtu", "history.csv"]
-
-
-def test_a_list_behind_a_link_is_somebody_elses(tmp_path):
-    run_before(tmp_path / "other", "history.csv")
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / FILES).symlink_to(tmp_path / "other" / FILES)
-    fill(tmp_path / "out", "history.csv")
-    assert FileList(tmp_path / "out").names == []
-    with pytest.raises(FileExistsError, match=FILES):
-        begin(tmp_path / "out", ["history.csv"])
-    assert FileList(tmp_path / "other").names == ["history.csv"]
+    assert left(mine) == ["frame_0000.vtu", HISTORY]
 
 
 def test_a_command_replaces_what_commands_wrote_and_no_input(tmp_path):
@@ -217,19 +203,15 @@ def holder(tmp_path):
         process.kill()
 
 
-def test_who_holds_it_is_told(holder, tmp_path):
-    with pytest.raises(FolderInUse) as refusal:
-        FolderLock(tmp_path)
-    said = str(refusal.value)
-    assert f"process {holder.pid} on {socket.gethostname()} since 20" in said
-    assert f"{tmp_path} is being written" in said
-    with pytest.raises(FolderInUse):
-        refuse_if_in_use(tmp_path)
-    assert json.loads((tmp_path / LOCK).read_text())["process"] == holder.pid
-
-
 @pytest.mark.parametrize("killed", [True, False])
-def test_a_process_killed_or_ended_holds_nothing(holder, tmp_path, killed):
+def test_who_holds_it_is_told_and_a_process_killed_or_ended_holds_nothing(holder, tmp_path, killed):
+    for attempt in (FolderLock, refuse_if_in_use):
+        with pytest.raises(FolderInUse) as refusal:
+            attempt(tmp_path)
+        said = str(refusal.value)
+        assert f"process {holder.pid} on {socket.gethostname()} since 20" in said
+        assert f"{tmp_path} is being written" in said
+    assert json.loads((tmp_path / LOCK).read_text())["process"] == holder.pid
     if killed:
         holder.kill()
     else:
@@ -243,20 +225,18 @@ def test_a_process_killed_or_ended_holds_nothing(holder, tmp_path, killed):
 
 def test_twice_in_one_process_is_refused_in_any_thread(tmp_path):
     lock = FolderLock(tmp_path)
-    with pytest.raises(FolderInUse, match=f"this very process, {os.getpid()}"):
-        FolderLock(tmp_path)
     told = []
 
     def attempt():
-        try:
+        with pytest.raises(FolderInUse, match=f"this very process, {os.getpid()}"):
             FolderLock(tmp_path)
-        except FolderInUse as refusal:
-            told.append(refusal)
+        told.append(True)
 
+    attempt()
     thread = threading.Thread(target=attempt)
     thread.start()
     thread.join()
-    assert len(told) == 1
+    assert len(told) == 2
     lock.close()
     lock.close()
     FolderLock(tmp_path).close()
@@ -306,14 +286,13 @@ def test_of_many_that_want_it_at_once_one_gets_it(tmp_path):
     inside, most = [], []
 
     def take():
-        got = 0
-        while got < 10:
-            try:
-                lock = FolderLock(tmp_path)
-            except FolderInUse:
-                time.sleep(1e-4)
-                continue
-            got += 1
+        for _ in range(10):
+            while True:
+                try:
+                    lock = FolderLock(tmp_path)
+                    break
+                except FolderInUse:
+                    time.sleep(1e-4)
             inside.append(1)
             most.append(len(inside))
             inside.pop()

@@ -163,10 +163,10 @@ def test_a_small_gain_is_taken_when_it_has_lasted():
         """Return the step, over the first, to which it grows by 0.2 % at most each time."""
         shell.frequencies.squared[:] = omega2 / factor**2
         state.step += 100
-        dt = step.next(state)
+        state.dt = dt = step.next(state)
         while (longer := step.next(state)) != dt:
             assert dt < longer <= 1.0021 * dt
-            dt = longer
+            state.dt = dt = longer
         return dt / first
 
     # A longer step at once only when 8 % are to be won, else after an interval, for 1 %.

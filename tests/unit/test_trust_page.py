@@ -9,31 +9,20 @@ from shellcut.tool.shapes import tooth_ring
 
 PAGE = "docs/howto/trust.md"
 HALF_THICKNESS = tooth_ring().half_thickness()
+MODULUS = [plausible.SOFTEST, plausible.STIFFEST, plausible.LIGHTEST, plausible.HEAVIEST]
+MODULUS += [1e-3 * plausible.SLOWEST_WAVE, 1e-3 * plausible.FASTEST_WAVE]
+STRENGTH = [plausible.SMALLEST_STRAIN, plausible.LARGEST_STRAIN, plausible.RUPTURED]
+FIRST_YIELD = [plausible.LARGEST_YIELD_STRAIN, plausible.RUPTURED]
+FIRST_YIELD += [plausible.SMALLEST_R, plausible.LARGEST_R]
 
 
 @pytest.mark.parametrize(
     ("begins", "limits"),
     [
         ("The thickness is", [plausible.SLENDER, plausible.THINNEST]),
-        (
-            "The modulus is",
-            [
-                *(plausible.SOFTEST, plausible.STIFFEST),
-                *(plausible.LIGHTEST, plausible.HEAVIEST),
-                *(1e-3 * plausible.SLOWEST_WAVE, 1e-3 * plausible.FASTEST_WAVE),
-            ],
-        ),
-        (
-            "The strength is",
-            [plausible.SMALLEST_STRAIN, plausible.LARGEST_STRAIN, plausible.RUPTURED],
-        ),
-        (
-            "The first yield stress is",
-            [
-                *(plausible.LARGEST_YIELD_STRAIN, plausible.RUPTURED),
-                *(plausible.SMALLEST_R, plausible.LARGEST_R),
-            ],
-        ),
+        ("The modulus is", MODULUS),
+        ("The strength is", STRENGTH),
+        ("The first yield stress is", FIRST_YIELD),
         ("The cutting edge is slower", [steps.OF_WAVE]),
         ('With `path = "edges"`', [path.OFF_ROW]),
         ("Quads under the path have", [path.BENDS]),

@@ -52,45 +52,34 @@ def going(tmp_path_factory):
         process.kill()
 
 
-def contents(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
-
-
-def case_of(out):
-    return read_model(out / "used.toml").build()
+RUN = "run guillotine -o OUT"
+OVERWRITE = f"{RUN} --overwrite"
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    ("command", "looked"),
     [
-        ["resume", None],
-        ["run", "guillotine", "-o", None, "--overwrite", *SHORT],
-        ["run", "guillotine", "-o", None, *SHORT],
+        ("resume OUT", False),
+        (RUN, False),
+        (OVERWRITE, False),
+        (OVERWRITE, True),
     ],
-    ids=["resume", "overwrite", "run"],
 )
-def test_the_command_refuses(going, capsys, arguments):
+def test_the_command_refuses(going, capsys, monkeypatch, command, looked):
     out, process = going
-    before = contents(out)
-    assert main([str(out) if a is None else a for a in arguments]) == 2
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    if looked:  # before the first run began: the folder is taken when it comes to writing
+        monkeypatch.setattr("shellcut.files.folder_lock.refuse_if_in_use", lambda _: None)
+    words = [str(out) if word == "OUT" else word for word in command.split()]
+    assert main([*words, *(SHORT if words[0] == "run" else [])]) == 2
     said = capsys.readouterr().err
     assert f"{out} is being written by process {process.pid} on " in said
     assert " since 20" in said
     assert "Traceback" not in said
-    assert contents(out) == before
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
-def test_a_second_run_that_looked_before_the_first_began_is_refused_too(going, capsys, monkeypatch):
-    # Both looked, both built their model: the folder is taken when it comes to writing.
-    out, _ = going
-    before = contents(out)
-    monkeypatch.setattr("shellcut.files.folder_lock.refuse_if_in_use", lambda _: None)
-    assert main(["run", "guillotine", "-o", str(out), "--overwrite", *SHORT]) == 2
-    assert "is being written by process" in capsys.readouterr().err
-    assert contents(out) == before
-
-
-def test_readers_are_not_disturbed_and_disturb_nobody(going, capsys):
+def test_readers_are_not_disturbed_and_disturb_nobody(going):
     out, _ = going
     lock = (out / "run.lock").read_bytes()
     results = shellcut.read(out)
@@ -101,6 +90,6 @@ def test_readers_are_not_disturbed_and_disturb_nobody(going, capsys):
     for name in ("report.html", "shellcut.files"):
         (out / name).unlink()
     assert (out / "run.lock").read_bytes() == lock
+    case = read_model(out / "used.toml").build()
     with pytest.raises(FolderInUse):
-        case_of(out).run(out, resume=True, progress=False)
-    capsys.readouterr()
+        case.run(out, resume=True, progress=False)
