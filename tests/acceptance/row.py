@@ -1,7 +1,5 @@
 """A row of the table: what a user does, its limits, and the check of what comes of it."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,7 +47,7 @@ class Row:
     needs: tuple[str, ...]
     do: Callable[[User], str]
 
-    def outcome(self, user: User) -> Outcome:
+    def outcome(self, user):
         """Do it, against the clock."""
         start = time.perf_counter()
         try:
@@ -68,31 +66,23 @@ class Row:
 class Rows(list[Row]):
     """Rows in the order in which they are declared."""
 
-    def add(
-        self,
-        minute: str,
-        what: str,
-        *,
-        seconds: float,
-        limit: str = "",
-        needs: tuple[str, ...] = (),
-    ) -> Callable[[Callable[[User], str]], Callable[[User], str]]:
+    def add(self, minute, what, *, seconds, limit="", needs=()):
         """Declare a row; see `Row`."""
 
-        def declare(do: Callable[[User], str]) -> Callable[[User], str]:
+        def declare(do):
             self.append(Row(minute, what, seconds, limit, needs, do))
             return do
 
         return declare
 
 
-def expect(condition: object, text: str) -> None:
+def expect(condition, text):
     """Raise `Failed` with the text unless the condition holds."""
     if not condition:
         raise Failed(text)
 
 
-def expect_words(said: str, *words: str) -> None:
+def expect_words(said, *words):
     """Raise `Failed` unless all the words were said."""
     missing = [word for word in words if word not in said]
     expect(not missing, f"{missing} not in what was said:\n{said.strip()[-2000:]}")

@@ -4,15 +4,13 @@ What each command computes and says is tried by the default tests, and every com
 tests/unit/test_pages.py; here it is done by a user, with what the wheel brings and nothing else.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import re
 import zipfile
 
 from row import Rows, expect, expect_words
-from user import QUICK, ROOT, User
+from user import QUICK, ROOT
 
 ROWS = Rows()
 
@@ -22,7 +20,7 @@ _STRONG_GPL = re.compile(r"(?<!L)GPL(?!.{0,40}exception)|(?<!Lesser )General Pub
 
 
 @ROWS.add("0", "README: the first screen", seconds=5)
-def readme(user: User) -> str:
+def readme(user):
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
     for path in pictures[:2]:
@@ -44,7 +42,7 @@ def readme(user: User) -> str:
     seconds=120,
     limit="wheels only: no compiler; no GPL package; own wheel pure and < 2 MB",
 )
-def install(user: User) -> str:
+def install(user):
     wheel = user.environment.wheel
     size = wheel.stat().st_size / 1e6
     expect(size < 2.0, f"the wheel must be under 2 MB, got {size:.2f}")
@@ -61,7 +59,7 @@ def install(user: User) -> str:
 
 
 @ROWS.add("2", "import shellcut", seconds=60, limit="< 1.0 s", needs=("environment",))
-def import_time(user: User) -> str:
+def import_time(user):
     text = (
         "import time; t = time.perf_counter(); import shellcut; "
         "print(time.perf_counter() - t, shellcut.__version__)"
@@ -81,7 +79,7 @@ def import_time(user: User) -> str:
     limit="exit code 0; |balance| <= 1 % of the work put in; every file there",
     needs=("environment",),
 )
-def main_job(user: User) -> str:
+def main_job(user):
     said = user.first_run.said
     expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
     # What a user sees: the model, what is compiled, progress; energies every 5 % in run.log.
@@ -121,11 +119,11 @@ def main_job(user: User) -> str:
     limit="exit code 130, says where it stopped; then the uninterrupted run's bits",
     needs=("out",),
 )
-def interrupt_and_resume(user: User) -> str:
+def interrupt_and_resume(user):
     again = user.folder / "again"
     half = (user.out / "history.csv").stat().st_size / 2
 
-    def halfway() -> bool:
+    def halfway():
         history = again / "history.csv"
         return history.exists() and history.stat().st_size > half
 
@@ -187,13 +185,11 @@ COMMANDS = (
 )
 
 
-def _command(
-    minute: str, text: str, code: int, words: tuple[str, ...], left: tuple[str, ...], seconds: float
-) -> None:
+def _command(minute, text, code, words, left, seconds):
     needs = ("out",) if "out" in text.split() else ("parts",) if "parts/" in text else ()
 
     @ROWS.add(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
-    def command(user: User) -> str:
+    def command(user):
         done = user.shellcut(*text.split())
         expect(done.code == code, f"exit code {done.code}:\n{done.said}")
         expect_words(done.said, *words)

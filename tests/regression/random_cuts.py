@@ -4,8 +4,6 @@ The tests run a few; ``python tests/regression/random_cuts.py --seeds 40`` runs 
 and prints what each came to, and the worst of all.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import time
@@ -207,7 +205,7 @@ class Outcome:
     """Of the tool over that of the cables."""
 
 
-def carried_out(cut: RandomCut) -> Outcome:
+def carried_out(cut):
     """Run a cut."""
     sim = cut.simulation
     largest = worst = 0.0
@@ -230,7 +228,7 @@ def carried_out(cut: RandomCut) -> Outcome:
     )
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=40)
     parser.add_argument("--first", type=int, default=0)

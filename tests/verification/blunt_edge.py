@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from courses import steady_works
 from shellcut import CohesiveLaw, guillotine
 from shellcut.tool.shapes import straight_blade
-from steady_cut_works import steady_works
 
 THICKNESS = 0.074  # mm
 HALF_ANGLE = np.radians(10.0)
@@ -79,7 +79,7 @@ def table(radii=RADII):
             yield dict(zip(COLUMNS, values, strict=True))
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--csv", type=Path, help="write the table to this file, too")
     target = parser.parse_args().csv

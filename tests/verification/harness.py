@@ -1,64 +1,53 @@
 """What a verification case is, and how cases are found and run.
 
 A case is one file in ``cases/``: a docstring (problem, source, what it measures), ``ID``,
-``TITLE``, ``FAST`` (whether pytest runs it too) and a function ``checks()`` that computes and
-returns :class:`Check` rows. Cases of one kind stand in one file, each a function with such a
-docstring under :func:`case`. They use public functions of the library only.
+``TITLE``, ``FAST`` (whether pytest runs it too) and a function ``checks()`` that computes
+:class:`Check` rows. Cases of one kind are in one file, each a function with such a docstring under
+:func:`case`. They use public functions of the library only.
 """
-
-from __future__ import annotations
 
 import importlib
 import json
 import math
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from types import ModuleType
 
 CASES = Path(__file__).parent / "cases"
 
 
 @dataclass(frozen=True)
 class Check:
-    """One number against a reference.
-
-    Attributes
-    ----------
-    quantity : str
-        What is measured, with mesh and unit.
-    reference, ours : float
-        The published or exact value, and what the library gives.
-    band : float
-        Largest relative error, or absolute if ``absolute``.
-    reason : str
-        Why this band: the kind of tolerance.
-    gate : bool
-        False: printed for information, does not decide.
-    absolute : bool
-        Whether the error is taken as a difference.
-    """
+    """One number against a reference."""
 
     quantity: str
+    """What is measured, with mesh and unit."""
     reference: float
     ours: float
     band: float
+    """Largest relative error, or absolute if ``absolute``."""
     reason: str
+    """Why this band: the kind of tolerance."""
     gate: bool = True
+    """False: printed for information, does not decide."""
     absolute: bool = False
 
     @property
-    def error(self) -> float:
-        """Relative error, or the difference."""
+    def error(self):
         difference = self.ours - self.reference
         return difference if self.absolute else difference / abs(self.reference)
 
     @property
-    def passed(self) -> bool:
-        """Whether the error lies within the band; nan never does."""
+    def passed(self):
+        # nan never does
         return math.isfinite(self.error) and abs(self.error) <= self.band
+
+
+def zero(quantity, ours, band, reason, *, gate=True):
+    """Return the check of a number that must be zero."""
+    return Check(quantity, 0.0, ours, band, reason, gate, absolute=True)
 
 
 @dataclass(frozen=True)
@@ -74,8 +63,7 @@ class Result:
     """Labels of the axes of its picture, with units; None without curves."""
 
     @property
-    def passed(self) -> bool:
-        """Whether all gates hold."""
+    def passed(self):
         return all(check.passed for check in self.checks if check.gate)
 
 
@@ -85,25 +73,23 @@ class Case:
 
     ID: str
     TITLE: str
-    checks: Callable[[], list[Check]]
+    checks: Callable[[], Iterable[Check]]
     FAST: bool
     AXES: tuple[str, str] | None
     CURVES: dict[str, dict[str, list[float]]] = field(default_factory=dict)
 
 
-def case(
-    name: str, title: str, *, fast: bool = True, axes: tuple[str, str] | None = None
-) -> Callable[[Callable[[], list[Check]]], Case]:
-    """Make a case of a function that returns its rows."""
+def case(name, title, *, fast=True, axes=None):
+    """Make a case of a function that yields or returns its rows."""
     return lambda checks: Case(name, title, checks, fast, axes)
 
 
-def _cases_in(module: ModuleType) -> list[ModuleType | Case]:
+def _cases_in(module):
     cases = [one for one in vars(module).values() if isinstance(one, Case)]
     return [one for one in cases if one.checks.__module__ == module.__name__] or [module]
 
 
-def load_cases(only: str | None = None, *, fast_only: bool = False) -> list[ModuleType | Case]:
+def load_cases(only=None, *, fast_only=False):
     """Import the cases, all or one, in the order of their ids."""
     for folder in CASES.parents[:2]:  # of the cases, and of what all tests share
         if str(folder) not in sys.path:
@@ -117,17 +103,17 @@ def load_cases(only: str | None = None, *, fast_only: bool = False) -> list[Modu
     return chosen
 
 
-def run_case(one: ModuleType | Case) -> Result:
+def run_case(one):
     """Run one case."""
     began = time.process_time()
-    checks = one.checks()
+    checks = list(one.checks())
     curves = getattr(one, "CURVES", {})
     seconds = time.process_time() - began
     axes = one.AXES if curves else None
     return Result(one.ID, one.TITLE, seconds, checks, dict(curves), axes)
 
 
-def as_json(results: list[Result]) -> str:
+def as_json(results):
     """Return results as the text from which ``report.py`` makes the page."""
     table = [
         asdict(result)

@@ -8,8 +8,6 @@ The result is stored beside this file, in ``nightly.json``. The section is part 
 which report.py keeps.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import platform
@@ -18,7 +16,6 @@ import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 STORED = Path(__file__).with_name("nightly.json")
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "verification.md"
@@ -26,11 +23,11 @@ HEADING = "## The nightly tests"
 WORDS = ("passed", "failed", "skipped")
 
 
-def result_of(xml: Path) -> dict[str, Any]:
+def result_of(xml):
     """Return what pytest's ``--junitxml`` file tells, a row a file of tests."""
     suite = ElementTree.parse(xml).getroot().find("testsuite")
     assert suite is not None, f"{xml} is no result of pytest"
-    files: dict[str, dict[str, float]] = defaultdict(lambda: dict.fromkeys((*WORDS, "seconds"), 0))
+    files = defaultdict(lambda: dict.fromkeys((*WORDS, "seconds"), 0))
     for case in suite.iter("testcase"):
         parts = case.get("classname", "").split(".")
         last = next((k for k, part in enumerate(parts) if part.startswith("test_")), len(parts) - 1)
@@ -50,13 +47,13 @@ def result_of(xml: Path) -> dict[str, Any]:
     }
 
 
-def _outcome(case: ElementTree.Element) -> str:
+def _outcome(case):
     if case.find("failure") is not None or case.find("error") is not None:
         return "failed"
     return "passed" if case.find("skipped") is None else "skipped"
 
 
-def section(result: dict[str, Any] | None) -> list[str]:
+def section(result):
     """Return the lines of the section."""
     lines = [HEADING, ""]
     if result is None:
@@ -82,12 +79,12 @@ def section(result: dict[str, Any] | None) -> list[str]:
     ]
 
 
-def stored() -> dict[str, Any] | None:
+def stored():
     """Return the last result, None before the first."""
     return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else None
 
 
-def with_section(page: str, result: dict[str, Any] | None) -> str:
+def with_section(page, result):
     """Return the page with the section in the place of the one that it has."""
     before, heading, after = page.partition(HEADING + "\n")
     assert heading, f"the page has no section {HEADING!r}"
@@ -96,7 +93,7 @@ def with_section(page: str, result: dict[str, Any] | None) -> str:
     return before + "\n".join([*section(result), rest])
 
 
-def main() -> None:
+def main():
     """Print the table; store it and write the section if asked to."""
     parser = argparse.ArgumentParser(description="The result of the slow tests.")
     parser.add_argument("xml", type=Path, help="what pytest --junitxml has written")

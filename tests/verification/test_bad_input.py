@@ -5,7 +5,6 @@ constructors.
 """
 
 import dataclasses
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from shellcut.fracture.options import Fracture
 from shellcut.loads.loads import EdgeTraction, Gravity, NodalForce, Pressure
 from shellcut.loads.supports import Support
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from shellcut.models import guillotine
 from shellcut.simulation.simulation import Simulation
@@ -31,25 +29,23 @@ MOTION = StraightMotion((1.0, 0.0, 0.0), speed=6000.0)
 NAN = float("nan")
 
 
-def _blade_at(x: float, y: float) -> Tool:
+def _blade_at(x, y):
     return dataclasses.replace(BLADE, vertices=BLADE.vertices + np.array([x, y, 0.0]))
 
 
-def _simulate(mesh: Mesh = SHEET, **options: object) -> Simulation:
-    return Simulation(mesh, ShellMaterial.homogeneous(), **options)  # type: ignore[arg-type]
+def _simulate(mesh=SHEET, **options):
+    return Simulation(mesh, ShellMaterial.homogeneous(), **options)
 
 
-def _slow(_time: float) -> float:
+def _slow(_time):
     return 1.0
 
 
-def _fast(_time: float) -> float:
+def _fast(_time):
     return 2.0
 
 
-Case = tuple[Callable[[], object], tuple[str, ...]]
-
-VALUE_CASES: dict[str, Case] = {
+VALUE_CASES = {
     "unknown node set": (
         lambda: _simulate(supports=[Support.clamped("tops")]),
         ("(top, bottom, left, right)", "got 'tops'", "did you mean 'top'"),
@@ -126,7 +122,7 @@ VALUE_CASES: dict[str, Case] = {
         ("along y", "nodes [20]"),
     ),
     "velocity that is no function": (
-        lambda: _simulate(supports=[Support("top", velocity={"y": 3.0})]),  # type: ignore[dict-item]
+        lambda: _simulate(supports=[Support("top", velocity={"y": 3.0})]),
         ("velocity", "function"),
     ),
     "initial velocity of another mesh": (
@@ -139,7 +135,7 @@ VALUE_CASES: dict[str, Case] = {
     ),
 }
 
-NUMBERS: dict[str, Callable[..., object]] = {
+NUMBERS = {
     "damping_alpha": _simulate,
     "threads": _simulate,
     "until": lambda until: _simulate().run(until),
@@ -151,7 +147,7 @@ NO_NUMBERS = (NAN, True, "1678", 1.0 + 0.0j, [1.0], np.ones(2), np.ma.masked)
 MASKED = np.ma.array([0.0, 1e-4, 2e-4], mask=[False, True, False])
 FREE = Fracture(path="free")
 
-KIND_CASES: dict[str, Case] = {
+KIND_CASES = {
     "supports": (lambda: _simulate(supports="bottom"), ("supports must be", "Support", "'bottom'")),
     "loads": (lambda: _simulate(loads=[3]), ("loads must be a sequence of Gravity", "[3]")),
     "tool": (lambda: _simulate(tool=SHEET, motion=MOTION), ("tool must be a Tool, got a Mesh",)),
@@ -161,7 +157,7 @@ KIND_CASES: dict[str, Case] = {
         ("tool must be a Tool, got 'blade'; ", "contact must be a Contact, got {}"),
     ),
     "hook": (
-        lambda: _simulate().run(1e-3, [print]),  # type: ignore[list-item]
+        lambda: _simulate().run(1e-3, [print]),
         ("hooks must be a sequence of Hook, which has due, __call__, close",),
     ),
     "complex force": (lambda: NodalForce("top", (1j, 0.0, 0.0)), ("force must be", "numbers")),
@@ -194,7 +190,7 @@ KIND_CASES: dict[str, Case] = {
 }
 
 
-def _refused(case: Case, kind: type[Exception] = ValueError) -> None:
+def _refused(case, kind=ValueError):
     build, words = case
     with pytest.raises(kind) as error:
         build()
@@ -203,31 +199,31 @@ def _refused(case: Case, kind: type[Exception] = ValueError) -> None:
 
 
 @pytest.mark.parametrize("name", VALUE_CASES)
-def test_bad_values(name: str) -> None:
+def test_bad_values(name):
     _refused(VALUE_CASES[name])
 
 
 @pytest.mark.parametrize("name", NUMBERS)
-def test_no_number(name: str) -> None:
+def test_no_number(name):
     for given in (*NO_NUMBERS, *(() if name == "threads" else (None,))):
         with pytest.raises(ValueError, match=rf"\b{name}\b"):
             NUMBERS[name](**{name: given})
 
 
 @pytest.mark.parametrize("name", KIND_CASES)
-def test_another_kind(name: str) -> None:
+def test_another_kind(name):
     _refused(KIND_CASES[name], TypeError if name != "blade beside the strip" else ValueError)
 
 
 class _Lost(StraightMotion):
     """A motion whose pose is none from some time on."""
 
-    def pose(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+    def pose(self, time):
         rotation, translation = super().pose(time)
         return rotation, translation * (NAN if time > 1e-5 else 1.0)
 
 
-def test_a_pose_that_is_none_ends_the_run_by_name() -> None:
+def test_a_pose_that_is_none_ends_the_run_by_name():
     lost = _Lost((1.0, 0.0, 0.0), speed=6000.0)
     sim = _simulate(tool=_blade_at(-0.1, 0.0), motion=lost, law=CohesiveLaw())
     for run in (lambda: sim.run(1e-3), lambda: check_model(sim, 1e-3)):
@@ -235,7 +231,7 @@ def test_a_pose_that_is_none_ends_the_run_by_name() -> None:
             run()
 
 
-def test_supports_that_agree_are_accepted() -> None:
+def test_supports_that_agree_are_accepted():
     # The corner belongs to both sets: held twice, or moved twice by the same function, is no clash.
     _simulate(supports=[Support.clamped("top"), Support.clamped("left")])
     both = [Support("top", velocity={"y": _slow}), Support("left", velocity={"y": _slow})]

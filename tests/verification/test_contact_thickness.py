@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from shellcut import ShellMaterial, Simulation, guillotine, opening_test
+from shellcut import ShellMaterial, guillotine, opening_test
 from shellcut.state import local_edge_length
 from shellcut.tool.shapes import straight_blade
 
@@ -28,26 +28,26 @@ MOST_SET_ASIDE = 1.1 * 2.0 * 0.1
 class Depths:
     """Hook that keeps the largest of both parts of the depth of any node at any step."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.pressed = 0.0
         """Depth that presses [mm]."""
         self.aside = 0.0
         """Depth set aside, over the local edge length."""
 
-    def due(self, _sim: Simulation) -> bool:
+    def due(self, _sim):
         return True
 
-    def __call__(self, sim: Simulation) -> None:
+    def __call__(self, sim):
         n = sim.state.node
         depth, aside = n.contact_depth[: n.count], n.contact_offset[: n.count]
         self.pressed = max(self.pressed, (depth - aside).max())
         size = local_edge_length(n.contact_area[: n.count])
         self.aside = max(self.aside, (aside / size).max())
 
-    def close(self) -> None: ...
+    def close(self): ...
 
 
-def shares(sim: Simulation, depths: Depths) -> SimpleNamespace:
+def shares(sim, depths):
     """Return what contact came to: over the tool's work, its thickness, and edges of the film."""
     ledger = sim.close_ledger()
     assert sim.tool is not None
@@ -61,7 +61,7 @@ def shares(sim: Simulation, depths: Depths) -> SimpleNamespace:
 
 
 @pytest.mark.parametrize("thickness", [0.02, 0.074, 0.3, 0.6, 1.0])
-def test_a_short_blade_through_a_strip_of_any_thickness(thickness: float) -> None:
+def test_a_short_blade_through_a_strip_of_any_thickness(thickness):
     # The nodes of the flanks come off the back end of the blade one by one.
     blade = straight_blade(length=1.2, height=2.0, half_thickness=0.35, wedge_half_angle_deg=20.0)
     film = ShellMaterial.homogeneous(thickness=thickness)
@@ -89,7 +89,7 @@ def test_a_short_blade_through_a_strip_of_any_thickness(thickness: float) -> Non
         *((0.074, 200.0), (0.3, 200.0), (0.074, 20000.0)),
     ],
 )
-def test_the_opening_of_any_film(thickness: float, young: float) -> None:
+def test_the_opening_of_any_film(thickness, young):
     film = ShellMaterial.homogeneous(thickness=thickness, young=young)
     case = opening_test("quick", material=film)
     sim = case.simulation

@@ -18,9 +18,7 @@ STABLE = 5.4e-7  # s, the library's own step of this disc
 SIZE = 0.8  # mm, of the guillotine's mesh
 
 
-def _oscillate(
-    *, dt: float | None, n_step: int, damped: bool = False, following: bool = False
-) -> dict[str, np.ndarray]:
+def _oscillate(*, dt, n_step, damped=False, following=False):
     """Return the energies over a run of a disc of 220 quads under a pressure step."""
     sim = sc.Simulation(
         disc(10.2, n_side=10, n_layer=3),
@@ -40,7 +38,7 @@ def _oscillate(
 
 
 @pytest.mark.parametrize("damped", [False, True])
-def test_the_imbalance_falls_with_the_square_of_the_step(damped: bool) -> None:
+def test_the_imbalance_falls_with_the_square_of_the_step(damped):
     errors = []
     for k in (1, 2, 4):
         run = _oscillate(dt=0.6 * STABLE / k, n_step=850 * k, damped=damped)
@@ -54,7 +52,7 @@ def test_the_imbalance_falls_with_the_square_of_the_step(damped: bool) -> None:
     assert (run["damping"][-1] > 0.1 * run["put_in"].max()) == damped
 
 
-def _cut(safety: float) -> tuple[float, float]:
+def _cut(safety):
     """Drive a blade 14 mm along a film clamped at two sides, notched on a mesh line.
 
     Return the mean force over seven node periods, after 8 mm, and the largest imbalance.
@@ -67,14 +65,14 @@ def _cut(safety: float) -> tuple[float, float]:
         stepping=sc.Stepping(safety=safety),
     ).simulation
 
-    def gone(one: sc.Simulation) -> bool:
+    def gone(one):
         return one.motion.coordinate(one.state.time) >= 14.0
 
     way, work, imbalance = course(sim, gone, "tool_work", "imbalance", every=1)
     return growth(way, work, 8.0, 8.0 + 7 * SIZE), np.abs(imbalance).max()
 
 
-def test_half_the_step_gives_the_same_cutting_force() -> None:
+def test_half_the_step_gives_the_same_cutting_force():
     """All of the work is accounted for: verification case F02."""
     (force, missed), (half, less) = (_cut(safety) for safety in (0.95, 0.475))
     # Discretisation in time: measured 3.2379 and 3.2374 N, 0.02 %.

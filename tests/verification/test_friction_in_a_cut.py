@@ -2,13 +2,13 @@
 
 import pytest
 
+from courses import steady_works
 from shellcut import Contact, guillotine
-from steady_cut_works import steady_works
 
 SIZE, GH = 0.8, 43.5 * 0.074
 
 
-def test_the_blade_does_the_work_of_the_cut_and_of_friction() -> None:
+def test_the_blade_does_the_work_of_the_cut_and_of_friction():
     case = guillotine(SIZE, length=32.0, contact=Contact(friction=0.2))
     names = "tool_work", "friction_work", "friction_dissipated", "damping"
     (tool, friction, dissipated, damping), worst, _ = steady_works(case, SIZE, 10.0, *names)

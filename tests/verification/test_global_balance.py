@@ -13,13 +13,13 @@ from shellcut.tool.shapes import straight_blade
 ROUND_OFF = 1e-13
 
 
-def _about_origin(sim: sc.Simulation, wrench: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _about_origin(sim, wrench):
     """Return force and moment about the origin of space from wrenches of the teeth."""
     force, moment = wrench.sum(axis=0)[:3], wrench.sum(axis=0)[3:]
     return force, moment + np.cross(sim.pose.translation, force)
 
 
-def test_momentum_is_what_tool_and_supports_gave() -> None:
+def test_momentum_is_what_tool_and_supports_gave():
     sim = sc.guillotine(
         0.8,
         length=8.0,
@@ -30,7 +30,7 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
     ).simulation
     node = sim.state.node
 
-    def momentum() -> np.ndarray:
+    def momentum():
         n = sim.state.n_node
         return (node.mass[:n, None] * node.velocity_half[:n]).sum(axis=0)
 
@@ -52,7 +52,7 @@ def test_momentum_is_what_tool_and_supports_gave() -> None:
     assert np.abs(momentum() - impulse).max() < ROUND_OFF * 2500 * largest
 
 
-def test_the_torque_on_a_resisted_screw_is_against_its_turn() -> None:
+def test_the_torque_on_a_resisted_screw_is_against_its_turn():
     through = sc.Fracture(path="free")
     sim = sc.opening_test("quick", duration=1.5e-3, fracture=through).simulation
     motion = sim.motion

@@ -2,9 +2,9 @@
 
 import pytest
 
+from courses import steady_works
 from shellcut import CohesiveTable, guillotine
 from shellcut.state import BROKEN
-from steady_cut_works import steady_works
 
 SIZE = 0.8  # mm
 THICKNESS = 0.074

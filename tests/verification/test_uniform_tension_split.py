@@ -22,13 +22,13 @@ STRETCH = np.array([np.sqrt(1.0 + 2.0 * STRAIN), np.sqrt(1.0 - 2.0 * NU * STRAIN
 NOMINAL = STRETCH[0] * E * STRAIN  # force per reference area [MPa]
 
 
-def _mesh(jitter: float) -> sc.Mesh:
+def _mesh(jitter):
     mesh = rectangle(LENGTH, WIDTH, size=SIZE)
     row = np.flatnonzero(np.abs(mesh.nodes[:, 0] - 0.5 * LENGTH) < 1e-9)
     return shaken(mesh, jitter, seed=3, held=row)
 
 
-def _stretched(mesh: sc.Mesh, mismatch: float, *, equilibrium_start: bool) -> sc.Simulation:
+def _stretched(mesh, mismatch, *, equilibrium_start):
     sim = sc.Simulation(
         mesh,
         sc.ShellMaterial.homogeneous(young=E, poisson=NU, thickness=THICKNESS),
@@ -43,20 +43,20 @@ def _stretched(mesh: sc.Mesh, mismatch: float, *, equilibrium_start: bool) -> sc
     return sim
 
 
-def _evaluate(sim: sc.Simulation) -> None:
+def _evaluate(sim):
     sim.loads.begin_forces(sim.state)
     sim.ledger.strain = sim.shell.add_forces(sim.state).strain_energy
     sim.terms.add_forces(sim.state, sim.pose, sim.ledger)
 
 
-def _largest_residual(sim: sc.Simulation) -> float:
+def _largest_residual(sim):
     """Return the largest force on a free node over that of one edge length of the section."""
     n = sim.state.node
     free = ~n.supported[: n.count]
     return float(np.abs(n.force[: n.count][free]).max() / (NOMINAL * THICKNESS * SIZE))
 
 
-def _split_middle_row(sim: sc.Simulation, mesh: sc.Mesh) -> list[float]:
+def _split_middle_row(sim, mesh):
     """Let a crack run from the border across half the length; return its measures."""
     row = mesh.nodes_where(lambda x, y, z: np.abs(x - 0.5 * LENGTH) < 1e-9)
     start, *_, end = row[np.argsort(mesh.nodes[row, 1])].tolist()
@@ -69,7 +69,7 @@ def _split_middle_row(sim: sc.Simulation, mesh: sc.Mesh) -> list[float]:
     return [record.measure for record in log]
 
 
-def _largest_kinetic(sim: sc.Simulation, n_step: int) -> float:
+def _largest_kinetic(sim, n_step):
     """Return the largest kinetic energy over some steps, relative to the strain energy before."""
     strain, largest = sim.ledger.strain, 0.0
     for _ in range(n_step):
@@ -80,7 +80,7 @@ def _largest_kinetic(sim: sc.Simulation, n_step: int) -> float:
 
 @pytest.mark.parametrize("jitter", [0.0, 0.06])
 @pytest.mark.parametrize("mismatch", [1.0, 1.4])
-def test_equilibrium_start_leaves_everything_at_rest(jitter: float, mismatch: float) -> None:
+def test_equilibrium_start_leaves_everything_at_rest(jitter, mismatch):
     mesh = _mesh(jitter)
     # One part in 1e9 above the strength, lest round-off decide whether the row splits at all.
     sim = _stretched(mesh, mismatch * (1.0 + 1e-9), equilibrium_start=True)

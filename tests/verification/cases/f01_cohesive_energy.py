@@ -18,7 +18,7 @@ AXES = "opening, mm", "traction, MPa"
 CURVES = {}
 
 
-def checks() -> list[Check]:
+def checks():
     law = CohesiveLaw()
     opening = np.linspace(0.0, 4.0, 801)  # 0, 0.5, 3 and 4 among them
     traction = np.array([law.traction(float(w)) for w in opening])

@@ -22,7 +22,8 @@ import numpy as np
 
 from blunt_edge import cut
 from cases.paths import curve
-from harness import Check
+from courses import course, steady_works
+from harness import Check, zero
 from shellcut import CohesiveLaw, ShellMaterial, guillotine, opening_test
 from shellcut.models.opening import steady_work_per_radian
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -49,12 +50,8 @@ def opening(radius, law):
         angle_deg=70.0,
         duration=6e-3 * 70.0 / 95.0,
     )
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        book, angle = sim.ledger, sim.motion.coordinate(sim.state.time)
-        rows.append((angle, book.cohesive_work, book.tool_work, book.imbalance))
-    angle, *works, imbalance = np.array(rows).T
+    names = "cohesive_work", "tool_work", "imbalance"
+    angle, *works, imbalance = course(case.simulation, case.duration, *names, every=1)
     late = angle > np.radians(30.0)
     exact = steady_work_per_radian(law=law.at_edge(radius))
     slopes = [float(np.polyfit(angle[late], work[late], 1)[0]) / exact for work in works]
@@ -87,27 +84,18 @@ def ldpe():
         ),
         tool=straight_blade(length=length, height=3.0, half_thickness=0.01),
     )
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        book = sim.ledger
-        path = sim.motion.coordinate(sim.state.time)
-        rows.append((path, book.cohesive_work, book.tool_work))
-    path, *works = np.array(rows).T
-    begin = 1.2
-    n = int((path[-1] - begin) / size)
-    ends = [begin, begin + n * size]
-    return [float(np.diff(np.interp(ends, path, w))[0]) / (n * size * thickness) for w in works]
+    works, _, _ = steady_works(case, size, 1.2, "cohesive_work", "tool_work")
+    return [work / thickness for work in works]
 
 
-def checks() -> list[Check]:
-    found, worst = [], 0.0
+def checks():
+    worst = 0.0
     for size in SIZES:
         for radius in RADII:
             force, cables, _, _, imbalance = cut(radius, size, **EDGE)
             name = f"quads of {size:g} mm, r = {1e3 * radius:g} um"
-            found.append(Check(f"{name}: cables / G_s h", 1.0, cables, 0.01, "whole periods"))
-            found.append(Check(f"{name}: F / G_s h", 1.0, force, 0.05, "damping", gate=False))
+            yield Check(f"{name}: cables / G_s h", 1.0, cables, 0.01, "whole periods")
+            yield Check(f"{name}: F / G_s h", 1.0, force, 0.05, "damping", gate=False)
             worst = max(worst, imbalance)
     exact = [LAW.at_edge(radius).fracture_energy for radius in ROW]
     ours = []
@@ -116,22 +104,19 @@ def checks() -> list[Check]:
         ours.append(cables * energy)
         band, why = (0.01, "whole periods") if radius < LAW.blunt_radius else (0.03, "as F04")
         name = f"r = {1e3 * radius:g} um: cables / h, N/mm"
-        found.append(Check(name, energy, ours[-1], band, why))
+        yield Check(name, energy, ours[-1], band, why)
         worst = max(worst, imbalance)
     severed = [energy for energy, r in zip(ours, ROW, strict=True) if r < LAW.blunt_radius]
     grows = float(all(b > a for a, b in pairwise(severed)))
-    found.append(Check("it grows with r up to r_c (1: yes)", 1.0, grows, 0.0, "exact"))
+    yield Check("it grows with r up to r_c (1: yes)", 1.0, grows, 0.0, "exact")
     for law in (LAW, replace(LAW, severing_pressure=1450.0)):
         cables, tool, imbalance = opening(0.01, law)
         name = f"opening M1, r = 10 um, G_s = {law.at_edge(0.01).fracture_energy:g} N/mm"
-        found.append(Check(f"{name}: dW_coh/dtheta over theory", 1.0, cables, 0.01, "periods"))
-        found.append(Check(f"{name}: dW/dtheta", 1.0, tool, 0.06, "damping", gate=False))
+        yield Check(f"{name}: dW_coh/dtheta over theory", 1.0, cables, 0.01, "periods")
+        yield Check(f"{name}: dW/dtheta", 1.0, tool, 0.06, "damping", gate=False)
         worst = max(worst, imbalance)
-    found.append(Check("largest imbalance / work", 0.0, worst, 1e-4, "time step", absolute=True))
+    yield zero("largest imbalance / work", worst, 1e-4, "time step")
     cables, tool = ldpe()
-    found.append(Check("LDPE cut: cables / h, N/mm", RAZOR, cables, 0.02, "periods"))
-    found.append(
-        Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
-    )
+    yield Check("LDPE cut: cables / h, N/mm", RAZOR, cables, 0.02, "periods")
+    yield Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
     CURVES["work of the cables"] = curve(ROW, ours, ROW, exact)
-    return found

@@ -14,8 +14,9 @@ are read from the root of the speed, which is linear in time.
 import numpy as np
 
 from blunt_tools import BOX_FACES, blunt, box_corners
+from courses import recorded
 from harness import Check
-from shellcut import Contact, Gravity, Mesh, ShellMaterial, Simulation, StraightMotion, Tool
+from shellcut import Contact, Gravity, Mesh, ShellMaterial, Simulation, StraightMotion
 from shellcut.mesh.structured import rectangle
 
 ID, TITLE, FAST = "G01", "Block on an incline", True
@@ -30,38 +31,39 @@ FRAME = np.array(
 )
 
 
-def incline() -> Tool:
-    """A tilted box whose upper face contains the origin."""
-    corners = box_corners((-20.0, -5.0, -5.0), (20.0, 5.0, 0.0))
-    return blunt(corners @ FRAME.T, BOX_FACES)
+def pressing(t):
+    return np.sin(0.5 * np.pi * min(1.0, t / RAMP)) ** 2
 
 
-def checks() -> list[Check]:
+def pulling(t):
+    return max(0.0, (t - RAMP) / SLOPE)
+
+
+def checks():
     flat = rectangle(2.0, 2.0, size=0.5)
     mesh = Mesh.from_arrays((flat.nodes + np.array([0.0, 0.0, 1e-9])) @ FRAME.T, flat.quads)
     loads = [
-        Gravity(
-            tuple(-PRESSED * FRAME[:, 2]),
-            factor=lambda t: np.sin(0.5 * np.pi * min(1.0, t / RAMP)) ** 2,
-        ),
-        Gravity(tuple(PRESSED * FRAME[:, 0]), factor=lambda t: max(0.0, (t - RAMP) / SLOPE)),
+        Gravity(tuple(-PRESSED * FRAME[:, 2]), factor=pressing),
+        Gravity(tuple(PRESSED * FRAME[:, 0]), factor=pulling),
     ]
+    corners = box_corners((-20.0, -5.0, -5.0), (20.0, 5.0, 0.0))  # the origin in its upper face
     sim = Simulation(
         mesh,
         ShellMaterial.homogeneous(),
         loads=loads,
-        tool=incline(),
+        tool=blunt(corners @ FRAME.T, BOX_FACES),
         motion=StraightMotion((0.0, 1.0, 0.0), speed=1e-9),  # at rest
         contact=Contact(friction=FRICTION),
         damping_alpha=0.0,
     )
-    s, rows = sim.state, []
+    s = sim.state
     mass = s.node.mass[: s.n_node]
-    while s.time < RAMP + 0.7 * SLOPE:
-        sim.step()
-        speed = mass @ s.node.velocity_half[: s.n_node] @ FRAME[:, 0] / mass.sum()
-        rows.append((s.time + 0.5 * s.dt, speed))
-    time, speed = np.array(rows).T
+
+    def read(sim):
+        momentum = mass @ s.node.velocity_half[: s.n_node]
+        return s.time + 0.5 * s.dt, momentum @ FRAME[:, 0] / mass.sum()
+
+    time, speed = recorded(sim, RAMP + 0.7 * SLOPE, read)
     # The slope load grows with time, so from the limit on speed = ½ growth (time - limit)².
     slides = time > RAMP + (FRICTION + 0.1) * SLOPE
     slope, cut = np.polyfit(time[slides], np.sqrt(speed[slides]), 1)
@@ -70,11 +72,8 @@ def checks() -> list[Check]:
     ledger = sim.close_ledger()
     spent = FRICTION * PRESSED * mass.sum() * way
     both = ledger.friction_stored + ledger.friction_dissipated
-    return [
-        Check("slope load over normal load where it slides", FRICTION, begins, 5e-3, "time step"),
-        Check("growth of its acceleration, mm/s³", PRESSED / SLOPE, growth, 5e-3, "time step"),
-        Check("dissipated by friction, N mm", spent, ledger.friction_dissipated, 5e-3, "time step"),
-        Check(
-            "stored and dissipated over work", 1.0, both / ledger.friction_work, 1e-9, "round-off"
-        ),
-    ]
+    why, share = "time step", both / ledger.friction_work
+    yield Check("slope load over normal load where it slides", FRICTION, begins, 5e-3, why)
+    yield Check("growth of its acceleration, mm/s³", PRESSED / SLOPE, growth, 5e-3, why)
+    yield Check("dissipated by friction, N mm", spent, ledger.friction_dissipated, 5e-3, why)
+    yield Check("stored and dissipated over work", 1.0, share, 1e-9, "round-off")

@@ -9,14 +9,15 @@ period, sin(omega_n dt / 2) = omega dt / 2, which is included. Band: kind fit, 1
 other modes, started because the spins are not, averages out over the periods.
 """
 
-from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from cases.paths import curve
+from courses import UNDAMPED, recorded
 from harness import Check
-from shellcut import Mesh, ShellMaterial, Simulation, Statics, Stepping, Support
+from shellcut import ShellMaterial, Simulation, Statics, Stepping, Support
 from shellcut.mesh.structured import cylinder, disc, rectangle
 
 ID, TITLE, FAST = "Y01", "Free vibration against the modes", True
@@ -25,33 +26,22 @@ MATERIAL = ShellMaterial.homogeneous(thickness=0.5)
 PERIODS = 20
 STRETCH = 1.01
 
-Build = Callable[[], tuple[Mesh, Sequence[Support]]]
-FILMS: dict[str, tuple[Build, float]] = {  # and the stretch in x and y
-    "clamped plate": (
-        lambda: (
-            rectangle(12.0, 10.0, n_x=12, n_y=10),
-            [Support.clamped(side) for side in ("left", "right", "top", "bottom")],
-        ),
-        1.0,
-    ),
-    "roof": (
-        lambda: (
-            cylinder(10.0, 12.0, n_around=10, n_along=10, arc_deg=80.0),
-            [Support("top", "xz", "y"), Support("bottom", "xyz", "y")],
-        ),
-        1.0,
-    ),
-    "stretched disc": (lambda: (disc(10.0, n_side=8), [Support.pinned("rim")]), STRETCH),
+SIDES = [Support.clamped(side) for side in ("left", "right", "top", "bottom")]
+ENDS = [Support("top", "xz", "y"), Support("bottom", "xyz", "y")]
+FILMS = {  # mesh, supports, the stretch in x and y
+    "clamped plate": (partial(rectangle, 12.0, 10.0, n_x=12, n_y=10), SIDES, 1.0),
+    "roof": (partial(cylinder, 10.0, 12.0, n_around=10, n_along=10, arc_deg=80.0), ENDS, 1.0),
+    "stretched disc": (partial(disc, 10.0, n_side=8), [Support.pinned("rim")], STRETCH),
 }
 
 CURVES = {}
 AXES = "time, s", "displacement along the mode, over its amplitude"
 
 
-def best_frequency(time: np.ndarray, value: np.ndarray, guess: float) -> float:
+def best_frequency(time, value, guess):
     """Return the angular frequency of the sine nearest to the values."""
 
-    def misfit(omega: float) -> float:
+    def misfit(omega):
         waves = np.stack([np.cos(omega * time), np.sin(omega * time)], axis=1)
         return float(np.linalg.lstsq(waves, value, rcond=None)[1][0])
 
@@ -65,36 +55,28 @@ def best_frequency(time: np.ndarray, value: np.ndarray, guess: float) -> float:
     return float(found.x)
 
 
-def frequencies(name: str, number: int) -> tuple[float, float]:
+def frequencies(name, number):
     """Return the driver's exact angular frequency of a mode, and the measured one."""
-    build, stretch = FILMS[name]
-    mesh, supports = build()
+    build, supports, stretch = FILMS[name]
+    mesh = build()
     body = Statics(mesh, MATERIAL, supports=supports)
     body.state.node.x[: mesh.n_node, :2] *= stretch
     modes = body.modes(number + 1, true_inertia=False)
     omega, shape = 2.0 * np.pi * modes.frequency[number], modes.shape[number]
     dt = 0.9 * 2.0 / body.largest_frequency()
-    sim = Simulation(
-        mesh,
-        MATERIAL,
-        supports=supports,
-        stepping=Stepping(fixed=dt),
-        damping_alpha=0.0,
-        damping_beta=0.0,
-    )
+    fixed = Stepping(fixed=dt)
+    sim = Simulation(mesh, MATERIAL, supports=supports, stepping=fixed, **UNDAMPED)
     if stretch != 1.0:
-        outward = (stretch - 1.0) * mesh.nodes
-        sim.relax(outward)
-    n = mesh.n_node
-    start = sim.state.node.x[:n].copy()
-    sim.state.node.velocity_half[:n] = 1e-4 * MATERIAL.thickness * omega * shape
-    weight = sim.state.node.mass[:n, None] * shape / (1e-4 * MATERIAL.thickness)
-    weight /= (sim.state.node.mass[:n, None] * shape**2).sum()
-    rows = []
-    while sim.state.time < PERIODS * 2.0 * np.pi / omega:
-        sim.step()
-        rows.append((sim.state.time, (weight * (sim.state.node.x[:n] - start)).sum()))
-    time, value = np.array(rows).T
+        sim.relax((stretch - 1.0) * mesh.nodes)
+    n, node, size = mesh.n_node, sim.state.node, 1e-4 * MATERIAL.thickness
+    start = node.x[:n].copy()
+    node.velocity_half[:n] = size * omega * shape
+    weight = node.mass[:n, None] * shape / size / (node.mass[:n, None] * shape**2).sum()
+
+    def read(sim):
+        return sim.state.time, (weight * (node.x[:n] - start)).sum()
+
+    time, value = recorded(sim, PERIODS * 2.0 * np.pi / omega, read)
     exact = 2.0 / dt * np.arcsin(0.5 * omega * dt)
     if number == 0:
         first = time < 3.0 * 2.0 * np.pi / omega
@@ -104,10 +86,8 @@ def frequencies(name: str, number: int) -> tuple[float, float]:
     return exact, best_frequency(time, value, exact)
 
 
-def checks() -> list[Check]:
-    rows = []
+def checks():
     for name in FILMS:
         for number in (0, 2):
             exact, ours = frequencies(name, number)
-            rows.append(Check(f"omega, {name}, mode {number + 1}, 1/s", exact, ours, 1e-5, "fit"))
-    return rows
+            yield Check(f"omega, {name}, mode {number + 1}, 1/s", exact, ours, 1e-5, "fit")

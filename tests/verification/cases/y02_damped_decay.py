@@ -31,7 +31,7 @@ CURVES = {}
 AXES = "ω t", "displacement of the end over the largest"
 
 
-def swing(share: float, alpha: float, beta: float) -> tuple[float, float, float, float]:
+def swing(share, alpha, beta):
     """Return dt, omega, measured decay rate and measured frequency.
 
     ``share`` of the exact critical step; ``alpha`` over omega, ``beta`` times omega.
@@ -59,35 +59,30 @@ def swing(share: float, alpha: float, beta: float) -> tuple[float, float, float,
     q = np.array(q)
     A, B = np.linalg.lstsq(np.stack([q[1:-1], q[:-2]], axis=1), q[2:], rcond=None)[0]
     z = np.roots([1.0, -A, -B])[0]
+    phase = omega * dt * np.arange(q.size)
     CURVES[f"α = {alpha:g} ω, β = {beta:g} / ω"] = curve(
-        (omega * dt * np.arange(q.size)),
-        (q / np.abs(q).max()),
-        (omega * dt * np.arange(q.size)),
-        np.exp(-0.5 * (alpha + beta) * omega * dt * np.arange(q.size)),
+        phase, q / np.abs(q).max(), phase, np.exp(-0.5 * (alpha + beta) * phase)
     )
     return dt, omega, -np.log(abs(z)) / dt, abs(np.angle(z)) / dt
 
 
-def exact(dt: float, omega: float, alpha: float, beta: float) -> tuple[float, float]:
+def exact(dt, omega, alpha, beta):
     """Return rate and frequency of the recurrence."""
     a, b = 0.5 * alpha * omega * dt, beta * omega * dt
     z = np.roots([1.0 + a, -(2.0 - (omega * dt) ** 2 - b), 1.0 - a - b])[0]
     return -float(np.log(abs(z))) / dt, float(abs(np.angle(z))) / dt
 
 
-def checks() -> list[Check]:
-    rows = []
+def checks():
     reason = "round-off, amplitude"
     for alpha, beta in ((0.1, 0.0), (0.0, 0.1), (0.1, 0.05)):
         dt, omega, rate, frequency = swing(0.5, alpha, beta)
         name = f"alpha {alpha:g} omega, beta {beta:g} / omega"
         wanted, turns = exact(dt, omega, alpha, beta)
-        rows.append(Check(f"rate, {name}, 1/s", wanted, rate, 1e-5, reason))
-        rows.append(Check(f"frequency, {name}, 1/s", turns, frequency, 1e-5, reason))
+        yield Check(f"rate, {name}, 1/s", wanted, rate, 1e-5, reason)
+        yield Check(f"frequency, {name}, 1/s", turns, frequency, 1e-5, reason)
         plain = 0.5 * (alpha + beta) * omega
-        rows.append(
-            Check(f"rate, {name}, continuous, 1/s", plain, rate, 0.05, "time step", gate=False)
-        )
+        yield Check(f"rate, {name}, continuous, 1/s", plain, rate, 0.05, "time step", gate=False)
     # The lag: what the rate of beta has above beta omega² / 2, of first order in the step.
     beta = 0.1
     excess = []
@@ -95,7 +90,6 @@ def checks() -> list[Check]:
         dt, omega, rate, _ = swing(share, 0.0, beta)
         excess.append(rate / (0.5 * beta * omega) - 1.0)
     expected = 0.5 * beta * omega * dt
-    rows.append(Check("excess of beta by the lag", expected, excess[1], 0.05, "order of the step"))
+    yield Check("excess of beta by the lag", expected, excess[1], 0.05, "order of the step")
     ratio = excess[0] / excess[1]
-    rows.append(Check("its ratio, dt to dt / 2", 2.0, ratio, 0.1, "order", absolute=True))
-    return rows
+    yield Check("its ratio, dt to dt / 2", 2.0, ratio, 0.1, "order", absolute=True)
