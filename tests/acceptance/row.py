@@ -5,8 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from user import User
-
 
 class Failed(Exception):
     """What a row expected and did not find."""
@@ -22,30 +20,19 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One row.
+    """One row."""
 
-    Attributes
-    ----------
-    minute : str
-        When a user gets there.
-    what : str
-        What is done.
-    seconds : float
-        Time limit of the row.
-    limit : str
-        Other limits, checked by the row itself.
-    needs : tuple of str
-        Properties of the user that must be there before the clock starts.
-    do : callable
-        Does it and returns what was measured; raises `Failed`.
-    """
-
+    do: Callable
+    """Does it for a user and returns what was measured; raises `Failed`."""
     minute: str
+    """When a user gets there."""
     what: str
     seconds: float
-    limit: str
-    needs: tuple[str, ...]
-    do: Callable[[User], str]
+    """Time limit."""
+    limit: str = ""
+    """Other limits, checked by the row itself."""
+    needs: tuple[str, ...] = ()
+    """Properties of the user that must be there before the clock starts."""
 
     def outcome(self, user):
         """Do it, against the clock."""
@@ -63,17 +50,13 @@ class Row:
         return Outcome(f"{taken:.1f} s; {measured}", "passed")
 
 
-class Rows(list[Row]):
-    """Rows in the order in which they are declared."""
+ROWS = []
+"""In the order in which they are declared."""
 
-    def add(self, minute, what, *, seconds, limit="", needs=()):
-        """Declare a row; see `Row`."""
 
-        def declare(do):
-            self.append(Row(minute, what, seconds, limit, needs, do))
-            return do
-
-        return declare
+def row(*about, **limits):
+    """Declare what a function does as a row; see `Row`."""
+    return lambda do: ROWS.append(Row(do, *about, **limits))
 
 
 def expect(condition, text):

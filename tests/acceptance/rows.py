@@ -9,17 +9,15 @@ import json
 import re
 import zipfile
 
-from row import Rows, expect, expect_words
+from row import expect, expect_words, row
 from user import QUICK, ROOT
-
-ROWS = Rows()
 
 # Names of the family in a licence: those that bind who links, so not the lesser one, nor the
 # compiler's run time, whose exception frees it.
 _STRONG_GPL = re.compile(r"(?<!L)GPL(?!.{0,40}exception)|(?<!Lesser )General Public", re.I | re.S)
 
 
-@ROWS.add("0", "README: the first screen", seconds=5)
+@row("0", "README: the first screen", seconds=5)
 def readme(user):
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
@@ -36,7 +34,7 @@ def readme(user):
     return f"{len(pictures)} pictures, a script of {len(lines)} lines"
 
 
-@ROWS.add(
+@row(
     "0-2",
     "pip install 'shellcut-fem[plot]' in a fresh environment",
     seconds=120,
@@ -58,7 +56,7 @@ def install(user):
     return f"{user.environment.seconds:.0f} s of it pip, {len(licences)} packages, {size:.2f} MB"
 
 
-@ROWS.add("2", "import shellcut", seconds=60, limit="< 1.0 s", needs=("environment",))
+@row("2", "import shellcut", seconds=60, limit="< 1.0 s", needs=("environment",))
 def import_time(user):
     text = (
         "import time; t = time.perf_counter(); import shellcut; "
@@ -72,7 +70,7 @@ def import_time(user):
     return f"{best:.2f} s (least of 5), version {said[0][1]}"
 
 
-@ROWS.add(
+@row(
     "2-6",
     "shellcut run opening --set mesh=quick -o out, nothing compiled",
     seconds=240,
@@ -112,7 +110,7 @@ def main_job(user):
     return f"balance {balance:.3%}, {len(rows)} rows, {len(names) + len(snapshots)} files"
 
 
-@ROWS.add(
+@row(
     "8-9",
     "Ctrl-C in a run, then shellcut resume",
     seconds=180,
@@ -188,7 +186,7 @@ COMMANDS = (
 def _command(minute, text, code, words, left, seconds):
     needs = ("out",) if "out" in text.split() else ("parts",) if "parts/" in text else ()
 
-    @ROWS.add(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
+    @row(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
     def command(user):
         done = user.shellcut(*text.split())
         expect(done.code == code, f"exit code {done.code}:\n{done.said}")

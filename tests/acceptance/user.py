@@ -50,8 +50,8 @@ class User:
         self._environ = {k: v for k, v in os.environ.items() if k not in hidden}
         # No cache from before: the first run compiles, as a user's does.
         self._environ["NUMBA_CACHE_DIR"] = str(folder / "numba_cache")
-
-    # ------------------------------------------------------------------ what rows build on
+        self._streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE}
+        self._streams |= {"stderr": subprocess.STDOUT, "encoding": "utf-8", "errors": "replace"}
 
     @cached_property
     def environment(self):
@@ -91,36 +91,22 @@ class User:
         self.inside("write_parts.py", str(folder))
         return folder
 
-    # ------------------------------------------------------------------ commands
-
     def run(self, *command, **environ):
         """Run a command in the folder to its end."""
-        start = time.perf_counter()
+        start, environ = time.perf_counter(), {**self._environ, **environ}
         done = subprocess.run(
-            command,
-            cwd=self.folder,
-            env={**self._environ, **environ},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            errors="replace",
-            timeout=_LIMIT,
-            check=False,
+            command, cwd=self.folder, env=environ, timeout=_LIMIT, check=False, **self._streams
         )
         return self._kept(command, done.returncode, done.stdout, start)
 
     def pip(self, *arguments):
-        """Run the environment's pip."""
         quiet = ("-q", "--disable-pip-version-check")
         return self.run(str(self._bin / "python"), "-m", "pip", *arguments, *quiet)
 
-    def shellcut(self, *arguments, **environ):
-        """Run the command ``shellcut``."""
-        return self.run(str(self._bin / "shellcut"), *arguments, **environ)
+    def shellcut(self, *arguments):
+        return self.run(str(self._bin / "shellcut"), *arguments)
 
     def python(self, text):
-        """Run a text by the environment's Python."""
         return self.run(str(self._bin / "python"), "-c", text)
 
     def inside(self, script, *arguments):
@@ -128,15 +114,12 @@ class User:
 
         The figures are the last line, in JSON. It sees the modules beside ``tests/films.py``.
         """
-        path = HERE / "inside" / script
-        done = self.run(
-            str(self._bin / "python"), str(path), *arguments, PYTHONPATH=str(HERE.parent)
-        )
+        command = str(self._bin / "python"), str(HERE / "inside" / script), *arguments
+        done = self.run(*command, PYTHONPATH=str(HERE.parent))
+        *_, last = ["", *done.said.strip().splitlines()]
         if done.code:
-            last = done.said.strip().splitlines()[-1:]
-            raise RuntimeError(f"{script}: {' '.join(last)}")
-        figures = json.loads(done.said.strip().splitlines()[-1])
-        return figures
+            raise RuntimeError(f"{script}: {last}")
+        return json.loads(last)
 
     def interrupted(self, *arguments, when):
         """Run the command ``shellcut`` and press Ctrl-C as soon as ``when()``."""
@@ -146,12 +129,9 @@ class User:
             command,
             cwd=self.folder,
             env=self._environ,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
             # A shell may have it ignored in its background jobs, and children inherit that.
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            **self._streams,
         ) as process:
             try:
                 while process.poll() is None and not when():

@@ -127,20 +127,6 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     assert {path: done_at(tmp_path)[path] for path in before} == before
 
 
-def test_a_failed_run_says_why_and_is_tried_again(done, part):
-    # A file where the folder of the second run should be.
-    out = part(1, 2)
-    second = done.plan.runs[1].folder(out)
-    second.write_text("in the way")
-    found = study(out)
-    assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
-    row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
-    assert row.startswith("1,14,failed")
-    assert second.name in row
-    second.unlink()
-    assert study(out).table.read_bytes() == done.table.read_bytes()
-
-
 @pytest.mark.parametrize("disk", ["of the run", "with a limit on files"])
 def test_a_full_disk_ends_its_run_and_not_the_study(done, part, disk):
     out, lines = part(1, 2), []

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from courses import course
+from courses import course, moved_by
 from films import cut_by
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
@@ -41,10 +41,7 @@ def _cut(criterion, beside, notched, film_edges=False, n_x=14):
     given = {"fracture": along, "contact": contact, "damping_beta": 5e-8}
     sim = cut_by(blade, mesh, 12000.0, ramp=5e-5, **given)
 
-    def gone(one):
-        return one.motion.coordinate(one.state.time) >= PATH
-
-    return sim, course(sim, gone, "tool_work", "imbalance", every=1).T
+    return sim, course(sim, moved_by(PATH), "tool_work", "imbalance", every=1).T
 
 
 def _check_path(sim, notched):
@@ -72,9 +69,9 @@ def _check_contact(sim, loses=0.003):
     assert -5e-4 * sim.ledger.tool_work < lost < loses * sim.ledger.tool_work
 
 
-CUTS = [("force", beside, True) for beside in (0.0, 0.1, -0.1, 0.2, -0.2, 0.3)]
-CUTS += [("stress", beside, True) for beside in (0.0, 0.1, -0.1)]
-CUTS += [(by, beside, False) for by in ("force", "stress") for beside in (0.0, 0.1, -0.1)]
+CUTS = [("force", beside, True) for beside in (0.0, 0.1, -0.2, 0.3)]
+CUTS += [("stress", 0.0, True), ("stress", -0.1, True)]
+CUTS += [("force", -0.1, False), ("stress", 0.1, False)]
 
 
 @pytest.mark.parametrize(("criterion", "beside", "notched"), CUTS)
@@ -97,11 +94,10 @@ def test_the_nearer_line_is_cut_with_the_work_on_it(criterion, beside, notched):
         assert work[-1] == pytest.approx(on_line, rel=0.15)
 
 
-@pytest.mark.parametrize("beside", [-0.1, -0.2])
-def test_edges_of_the_film_that_the_blade_goes_through_do_not_press(beside):
+def test_edges_of_the_film_that_the_blade_goes_through_do_not_press():
     # At the notch's mouth one lies across the whole blade. On its way out at the other side the
     # depth jumps, so a force there is no gradient: it would give the film 8 % of the work.
-    sim, _ = _cut("force", beside, True, film_edges=True)
+    sim, _ = _cut("force", -0.2, True, film_edges=True)
     _check_path(sim, True)
     # Where the blade goes through an edge its springs let go: measured 1.3 % at 0.2 mm.
     _check_contact(sim, loses=0.02)
@@ -113,9 +109,11 @@ def test_work_on_the_line_is_the_same_by_both_criteria():
     assert by_stress == pytest.approx(by_force, rel=0.03)
 
 
-@pytest.mark.parametrize("beside", [0.0, 0.3])
-def test_from_a_free_edge_the_nearest_row_is_cut(beside):
+def test_from_a_free_edge_the_nearest_row_is_cut():
     # A strip of 16 mm: the crack runs on to an end that is near.
-    sim, rows = _cut("force", beside, False, n_x=20)
-    _check_path(sim, False)
-    assert rows[-1, 1] == pytest.approx(_cut("force", 0.0, False, n_x=20)[1][-1, 1], rel=0.15)
+    works = []
+    for beside in (0.0, 0.3):
+        sim, rows = _cut("force", beside, False, n_x=20)
+        _check_path(sim, False)
+        works.append(rows[-1, 1])
+    assert works[1] == pytest.approx(works[0], rel=0.15)

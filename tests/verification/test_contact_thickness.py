@@ -60,7 +60,7 @@ def shares(sim, depths):
     )
 
 
-@pytest.mark.parametrize("thickness", [0.02, 0.074, 0.3, 0.6, 1.0])
+@pytest.mark.parametrize("thickness", [0.02, 0.3, 1.0])
 def test_a_short_blade_through_a_strip_of_any_thickness(thickness):
     # The nodes of the flanks come off the back end of the blade one by one.
     blade = straight_blade(length=1.2, height=2.0, half_thickness=0.35, wedge_half_angle_deg=20.0)

@@ -50,7 +50,7 @@ def pulled_strip(shift):
     return sim
 
 
-@pytest.mark.parametrize("shift", [0.0, 0.3])
+@pytest.mark.parametrize("shift", [0.0, 0.3])  # on a line of the mesh, and off it
 def test_work_goes_into_the_crack(shift):
     sim = pulled_strip(shift)
     names = "tool_work", "imbalance", "put_in"

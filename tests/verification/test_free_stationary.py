@@ -35,10 +35,7 @@ def closed_form(half_crack):
 
 
 class Sheet:
-    """A sheet under 1 MPa with a crack in its middle row, ``rise`` of an edge above its lower side.
-
-    rise : 0 for a crack on a line of the mesh.
-    """
+    """A sheet under 1 MPa, cracked in its middle row, ``rise`` of an edge above its lower side."""
 
     def __init__(self, size, rise):
         mesh = rectangle(2.0 * HALF_WIDTH, 2.0 * HALF_LENGTH, size=size)

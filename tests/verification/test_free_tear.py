@@ -52,8 +52,7 @@ ELSEWHERE = {
 
 
 @pytest.mark.parametrize(
-    ("size", "amount", "tool"),
-    [(0.4, 0.0, {}), (0.4, 0.2, {}), (0.8, 0.2, {}), (0.4, 0.2, ELSEWHERE)],
+    ("size", "amount", "tool"), [(0.4, 0.0, {}), (0.8, 0.2, {}), (0.4, 0.2, ELSEWHERE)]
 )
 def test_a_crack_turns_across_the_pull(size, amount, tool):
     sim = torn(size, amount, **tool)

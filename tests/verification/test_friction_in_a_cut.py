@@ -15,8 +15,8 @@ def test_the_blade_does_the_work_of_the_cut_and_of_friction():
     # Measured 0.79 N, 0.58 N with imperfections by which the film buckles in another mode: the
     # flanks press on the blade as it pushes them apart.
     assert friction > 0.15 * GH
-    # 1 % as asked; measured 0.4 %. On a shorter way it is more: friction draws the film along, at
-    # first, so that the blade cuts a little less or more of it than it goes.
+    # 1 % as asked; measured 0.4 %. On a shorter way it is more: at first friction draws the film
+    # along.
     assert tool - damping - friction == pytest.approx(GH, rel=0.01)
     # All of it is dissipated, but for what the springs hold now.
     assert dissipated == pytest.approx(friction, rel=5e-3)

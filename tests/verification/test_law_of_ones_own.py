@@ -3,8 +3,8 @@
 import pytest
 
 from courses import steady_works
+from runs import broken_ratio
 from shellcut import CohesiveTable, guillotine
-from shellcut.state import BROKEN
 
 SIZE = 0.8  # mm
 THICKNESS = 0.074
@@ -25,19 +25,14 @@ LAWS = {
 def test_a_cut_takes_the_area_below_the_law(name):
     law = LAWS[name]
     case = guillotine(SIZE, length=10.0 + 2.5 * law.opening_u, law=law)
-    (force, of_cables), worst, (path, *_) = steady_works(
-        case, SIZE, 1.5 * law.opening_u, "tool_work", "cohesive_work"
-    )
-    assert path[-1] - 1.5 * law.opening_u > 10.0 * SIZE
+    begin, names = 1.5 * law.opening_u, ("tool_work", "cohesive_work")
+    (force, of_cables), worst, (path, *_) = steady_works(case, SIZE, begin, *names)
+    assert path[-1] - begin > 10.0 * SIZE
     # The bands of F02: mesh, damping and waves; mesh; time step.
     theory = law.fracture_energy * THICKNESS
     assert force == pytest.approx(theory, rel=0.02)
     assert of_cables == pytest.approx(theory, rel=0.02)
     assert worst < 1e-3
-    cable = case.simulation.state.cable
-    broken = cable.status[: cable.count] == BROKEN
-    ratio = cable.work[: cable.count][broken] / (
-        law.fracture_energy * cable.area[: cable.count][broken]
-    )
+    ratio = broken_ratio(case)
     assert len(ratio) > 10
     assert abs(ratio - 1.0).max() < 0.01  # as in tests/regression/test_guillotine.py

@@ -40,9 +40,8 @@ def courses(film):
         return 1.9099 * angle - 0.02
 
     def deep(one):
-        return (
-            depth(one.motion.coordinate(one.state.time)) > DEPTHS[-1] and one.state.step % 20 == 0
-        )
+        deep = depth(one.motion.coordinate(one.state.time)) > DEPTHS[-1]
+        return deep and one.state.step % 20 == 0
 
     way, work, *energies = course(sim, deep, "tool_work", "strain", "kinetic", every=20)
     pierced = depth(sim.motion.coordinate(sim.state.split_log[0].time))

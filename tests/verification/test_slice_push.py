@@ -12,7 +12,7 @@ def test_the_works_of_both_forces_make_up_that_of_fracture(joint):
     push, along, friction, imbalance = F03.forces(size=0.8, slice_ratio=1.0, joint=joint)
     # 2 % was asked for: damping and waves; the ledger closes to the second order of the step.
     assert push + along == pytest.approx(1.0, abs=0.02)
-    assert imbalance < 1e-3
+    assert imbalance < 1e-3  # beyond what case F03 asks for
     assert abs(friction) < 1e-9
     if joint == "free":
         assert abs(along) < 1e-9

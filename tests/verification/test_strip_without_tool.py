@@ -4,7 +4,6 @@ Borders move at given velocities from a state in which all moves homogeneously a
 shock starts from them.
 """
 
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -57,7 +56,6 @@ def _strip(criterion, jitter):
     return _moving(mesh, criterion, rim, gradient, np.zeros(3))
 
 
-@cache
 def _torn(criterion, jitter):
     """Pull the strip apart; return it and the largest unloading of a cable meanwhile [mm].
 
@@ -78,29 +76,21 @@ def _torn(criterion, jitter):
 
 @pytest.mark.parametrize("jitter", [0.0, 0.1])
 @pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_a_strip_tears_straight_across(criterion, jitter):
-    sim, _ = _torn(criterion, jitter)
+def test_a_strip_tears_straight_across_and_takes_its_fracture_energy(criterion, jitter):
+    sim, unloading = _torn(criterion, jitter)
     path = np.array([split.reference for split in sim.state.split_log])
     # One side after the other, from the notch to the far side, and no second crack.
     assert (np.diff(path[:, 0]) > 0.0).all()
     assert path[0, 0] == pytest.approx(NOTCH, abs=2.0 * jitter)
     assert path[-1, 0] == pytest.approx(LENGTH - 0.5, abs=jitter)
     assert sim.state.crack_length >= LENGTH - path[0, 0]
-    assert sim.cracks is not None
     assert sim.cracks.tips == []
     # The row of the notch, exactly; on the jittered mesh its nodes lie within the jitter of it,
     # and the mean direction within 2 degrees (what a jitter of 0.1 over 4.5 mm leaves).
     assert np.abs(path[:, 1]).max() <= jitter
     slope = np.polyfit(path[:, 0], path[:, 1], 1)[0]
     assert abs(np.degrees(np.arctan(slope))) < 2.0
-
-
-@pytest.mark.parametrize("jitter", [0.0, 0.1])
-@pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_the_tear_takes_fracture_energy_times_area(criterion, jitter):
-    sim, unloading = _torn(criterion, jitter)
     c, n = sim.state.cable, sim.state.n_cable
-    assert sim.law is not None
     energy = sim.law.fracture_energy
     # All cables have broken, each with G A: trapezoidal sums, measured 3e-6 off at most.
     assert (c.status[:n] == BROKEN).all()
@@ -146,7 +136,6 @@ def _eight_ways(jitter):
     return sc.Mesh.from_arrays(nodes, quads)
 
 
-@cache
 def _crack_angle(criterion, pull_deg):
     """Return the angle of the crack [degrees] in a sheet drawn out at ``pull_deg`` to the y axis.
 
@@ -180,10 +169,10 @@ def _crack_angle(criterion, pull_deg):
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])
 def test_a_crack_runs_normal_to_the_largest_stress(criterion):
-    pulls = np.array([-30.0, 0.0, 15.0, 30.0, 45.0])
+    pulls = np.array([-30.0, 0.0, 45.0])
     angles = np.array([_crack_angle(criterion, pull) for pull in pulls])
-    # Allowed by the mesh: half the angle between its lines, 22.5 degrees. Measured -28, 0, 20, 33,
-    # 33 degrees ("force") and -23, 0, 22, 22, 33 ("stress"): up to 12 off, 4 to 7 in the mean.
+    # Allowed by the mesh: half the angle between its lines, 22.5 degrees. Measured -28, 0, 33
+    # degrees ("force") and -23, 0, 33 ("stress").
     assert (np.abs(angles - pulls) < 22.5).all()
     assert np.abs(angles - pulls).mean() < 10.0
     # Along a line of the mesh it is found; and the crack turns with the pull, never against it.

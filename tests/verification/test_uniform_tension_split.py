@@ -78,8 +78,7 @@ def _largest_kinetic(sim, n_step):
     return largest / strain
 
 
-@pytest.mark.parametrize("jitter", [0.0, 0.06])
-@pytest.mark.parametrize("mismatch", [1.0, 1.4])
+@pytest.mark.parametrize(("jitter", "mismatch"), [(0.0, 1.4), (0.06, 1.0)])
 def test_equilibrium_start_leaves_everything_at_rest(jitter, mismatch):
     mesh = _mesh(jitter)
     # One part in 1e9 above the strength, lest round-off decide whether the row splits at all.
