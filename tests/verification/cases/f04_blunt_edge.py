@@ -15,43 +15,43 @@ another, so force and friction have to grow from there on. For information: the 
 are not on the blade but move freely beside it, and as they oscillate the cables slide to and fro.
 """
 
-from itertools import pairwise
+import numpy as np
 
-from blunt_edge import FRICTION, RADII, table
+from blunt_edge import FRICTION, THICKNESS, cut, on_the_blade
 from cases.paths import curve
 from harness import Check, zero
 
 ID, TITLE, FAST = "F04", "Blunt edge", False
+
+RADII = (0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)  # mm
 
 CURVES = {}
 AXES = "radius of the edge over the thickness, r / h", "F / G h"
 
 
 def checks():
-    rows = list(table())
-    free, rubbed = rows[: len(RADII)], rows[len(RADII) :]
-    for row in free:
-        name = f"no friction, r = {row['edge_radius_mm']:g} mm"
-        force, damped = row["F_over_Gh"], row["damping"]
+    free = np.array([cut(radius, joint="adhesion") for radius in RADII])
+    for radius, (force, _, _, damped, _) in zip(RADII, free, strict=True):
+        name = f"no friction, r = {radius:g} mm"
         yield Check(f"{name}: F less damping / G h", 1.0, force - damped, 0.03, "waves")
         yield zero(f"{name}: damping / G h", damped, 0.08, "run-to-run scatter")
         yield Check(f"{name}: F / G h", 1.0, force, 0.03, "damping, waves", gate=False)
-    ratio = free[1]["F_over_Gh"] / free[0]["F_over_Gh"]
+    ratio = free[1, 0] / free[0, 0]
     yield Check("r = 1 um: F over that of the sharp edge", 1.0, ratio, 5e-3, "aim")
-    for row in rubbed:
-        name = f"mu = {FRICTION:g}, r = {row['edge_radius_mm']:g} mm"
-        parts = row["cables"] + row["friction"] + row["damping"]
-        yield Check(f"{name}: F over its parts", parts, row["F_over_Gh"], 0.02, "waves")
-        on_blade, why = row["friction_on_the_blade"], "cable ends beside the blade"
-        what = f"{name}: friction / G h"
-        yield Check(what, on_blade, row["friction"], 0.04, why, gate=False, absolute=True)
-    for what, column in (("the force", "F_over_Gh"), ("friction", "friction")):
-        grows = float(min(b[column] - a[column] for a, b in pairwise(rubbed[1:])) > 0.0)
+    rubbed = np.array([cut(radius, joint="slip", joint_friction=FRICTION) for radius in RADII])
+    exact = [on_the_blade(radius, FRICTION) for radius in RADII]
+    for radius, row, of_blade in zip(RADII, rubbed, exact, strict=True):
+        name, (force, cables, friction, damped, _) = f"mu = {FRICTION:g}, r = {radius:g} mm", row
+        parts = cables + friction + damped
+        yield Check(f"{name}: F over its parts", parts, force, 0.02, "waves")
+        what, why = f"{name}: friction / G h", "cable ends beside the blade"
+        yield Check(what, of_blade, friction, 0.04, why, gate=False, absolute=True)
+    for what, column in (("the force", 0), ("friction", 2)):
+        grows = float((np.diff(rubbed[1:, column]) > 0.0).all())
         said = f"mu = 0.3: {what} grows with r from 1 um on (1: yes)"
         yield Check(said, 1.0, grows, 0.0, "exact", absolute=True)
-    worst = max(row["imbalance"] for row in rows)
+    worst = max(free[:, 4].max(), rubbed[:, 4].max())
     yield zero("largest imbalance / work", worst, 5e-3, "time step")
-    ratio = [row["r_over_h"] for row in rubbed]
-    for name, some in (("μ = 0.3", rubbed), ("no friction", free)):
-        exact = [1.0 + row["friction_on_the_blade"] for row in some]
-        CURVES[name] = curve(ratio, [row["F_over_Gh"] for row in some], ratio, exact)
+    ratio = np.array(RADII) / THICKNESS
+    CURVES["μ = 0.3"] = curve(ratio, rubbed[:, 0], ratio, 1.0 + np.array(exact))
+    CURVES["no friction"] = curve(ratio, free[:, 0], ratio, np.ones(len(RADII)))
