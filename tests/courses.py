@@ -19,14 +19,14 @@ def recorded(sim, until, read, every=1):
     return np.array(columns).T
 
 
-def course(sim, until, *names, every=100):
+def course(sim, until, *names, every=100, close=True):
     """Run as :func:`recorded`; return the way of the tool and entries of the ledger.
 
-    The time is the way where there is no tool.
+    The time is the way where there is no tool. ``close`` : the ledger, which takes time.
     """
 
     def read(sim):
-        book, now = sim.close_ledger(), sim.state.time
+        book, now = sim.close_ledger() if close else sim.ledger, sim.state.time
         way = now if sim.motion is None else sim.motion.coordinate(now)
         return [way, *(getattr(book, name) for name in names)]
 
@@ -66,6 +66,7 @@ def steady_works(case, size, begin, *names):
     The growths are over whole spacings ``size`` [mm] of the nodes from ``begin`` [mm] on; the
     imbalance is relative to the first of the works.
     """
-    way, *works, imbalance = course(case.simulation, case.duration, *names, "imbalance", every=1)
+    names = *names, "imbalance"
+    way, *works, imbalance = course(case.simulation, case.duration, *names, every=1, close=False)
     share = float(np.abs(imbalance).max() / works[0].max())
     return over_periods(way, works, begin, size), share, np.array([way, *works])

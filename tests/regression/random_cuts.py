@@ -1,7 +1,6 @@
 """Random cuts through random meshes: arcs, bends, crossings, tight turns.
 
-The tests run a few; ``python tests/regression/random_cuts.py --seeds 40`` runs so many of each kind
-and prints what each came to, and the worst of all.
+The tests run a few, ``python tests/regression/random_cuts.py --seeds 40`` so many of each kind.
 """
 
 import argparse

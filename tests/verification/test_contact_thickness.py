@@ -1,14 +1,9 @@
-"""Contact holds whatever the film: nodes stay out of the tool, and it gives the film no energy.
+"""Contact in films of any thickness: nodes stay out of the tool, and it gives the film no energy.
 
-Thick films push with hundreds of newtons; where a tooth ends their nodes spring off it at 100 m/s,
-as far in a step as a thin film is thick, and hit it again. Thin ones flutter.
-
-A node's depth has two parts with a bound each. What *presses* is the balance of film and penalty:
-to be compared with the thickness of the tool. What is *set aside* as a jump is geometry: the lip of
-a cut that has fluttered over the mid-plane by s before the edge arrives meets the far face of the
-wedge first, as far in front of its own face as the wedge is thick there, 2 s. Such a node takes its
-own side up to s = 0.1 edges (``_UNDECIDED`` of the contact), so that this part follows the mesh,
-and which lip lies how far over has run-to-run scatter: any change of the round-off changes it.
+A node's depth has two parts with a bound each. What *presses* is the balance of film and penalty.
+What is *set aside* as a jump is geometry: the lip of a cut that lies over the mid-plane by s before
+the edge arrives meets the far face of the wedge first, 2 s deep. It takes its own side up to s =
+0.1 edges (``_UNDECIDED`` of the contact); how far it lies over has run-to-run scatter.
 """
 
 from types import SimpleNamespace

@@ -1,10 +1,8 @@
 """Two tears that converge: the end of a flap between two notches of a clamped sheet is pulled up.
 
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
-towards the other until they meet and the strip is loose. [Brau2014] has w ~ x^(8/11) for an elastic
-ridge, x being the distance to where the strip ends; a fold in a sheet that stays flat gives 2/3.
-The law is that of a sheet wide beside the strip, and of a process zone short beside the fold. How
-near whole runs come to it is on the page of predictions (tests/predictions/converging_tears.py).
+towards the other until they meet. [Brau2014] has w ~ x^(8/11) for an elastic ridge, x being the
+distance to where the strip ends. How near whole runs come to it: tests/predictions.
 """
 
 import functools

@@ -1,9 +1,8 @@
 """A blade that crosses an earlier cut gives the film its tearing energy all the same.
 
 A strip is cut through to its end, across a slit that runs in from the clamped border. Then all
-cables are broken but those of tears, and their work is G h times the length of the cut. A slit that
-crosses rows anywhere leaves slivers, corners and closed tips next to the blade: a flap caught on
-the wrong side of it takes many times the work.
+cables are broken but those of tears, and their work is G h times the length of the cut. A flap
+caught on the wrong side of the blade takes many times the work.
 """
 
 import numpy as np

@@ -1,13 +1,11 @@
 """Cuts through the quads of curved films.
 
 *Cylinders.* A strip is rolled onto a cylinder, its middle line along the axis, across it or at 30
-degrees to the axis. The blade follows the middle line by the screw (or the straight line) that maps
-the cylinder onto itself, with a short body, so that in steady cutting the whole deformed film moves
-along with it: all energies stay, and the work of the tool is that of cables and damping. Force from
-the tool's work and from the cables' over whole node periods, in units of G h, within 2.5 and 1.5
-per cent (discretisation; measured on quads of 0.8 mm moved at random, five meshes: 0.3 to 2.1 and
-at most 0.4). The periods begin where all cables of the cut, up to half a drawn one behind the edge,
-are a width of the strip beyond the notch: from 8.8 mm on the start adds 1 per cent.
+degrees to it. The blade follows that line by the screw (or the straight line) that maps the
+cylinder onto itself: in steady cutting the whole deformed film moves along, and the work of the
+tool is that of cables and damping. Forces over whole node periods, in units of G h, within 2.5 and
+1.5 per cent (discretisation; measured 0.3 to 2.1 and at most 0.4). The periods begin where all
+cables, up to half a drawn one behind the edge, are a width of the strip beyond the notch.
 
 *Surfaces of revolution*, meshed by Gmsh and read from a file: a blade pierces them from the side
 and cuts them along its mid-plane, which leans against the film by up to 48 degrees.

@@ -1,9 +1,8 @@
 """Cuts through meshes that ignore the path: the guillotine's force is G h on all of them.
 
-The ready models on such meshes: by default they cut, and notch, through quads. Force from the
-tool's work and from the cables' over whole node periods, in units of G h, within 2.5 and 1.5 per
-cent (discretisation; measured here, on 0.8 mm: 0.8 and 0.3). The imbalance is the largest after the
-first tenth of the tool's work, relative to it.
+Force from the tool's work and from the cables' over whole node periods, in units of G h, within 2.5
+and 1.5 per cent (discretisation; measured on 0.8 mm: 0.8 and 0.3). The imbalance is the largest
+after the first tenth of the tool's work, relative to it.
 """
 
 import numpy as np

@@ -1,10 +1,4 @@
-"""Cracks through the quads of a film under pressure.
-
-What holds a cylinder together across a trial cut is its hoop tension. A strip that pressure bends
-strongly releases at a tip what a longer crack would. A blade cuts a strip that pressure bends
-aside, and a pressurised cylinder tears from a slit until it has burst: the energies balance, and
-the cables have taken their tearing energy.
-"""
+"""Cracks through the quads of a film under pressure: what is released, and what the cables take."""
 
 import numpy as np
 import pytest

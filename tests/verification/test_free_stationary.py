@@ -1,13 +1,12 @@
 """Energy release of a stationary crack in the middle of a finite sheet, against its closed form.
 
 G = K²/E with K = sigma sqrt(pi a) F, F = sqrt(sec(pi a/2b)) (1 - 0.025 (a/b)² + 0.06 (a/b)⁴), good
-to 0.1 per cent for long sheets (Tada). The crack lies on a line of the mesh, or runs through quads;
-statics by the assembled stiffness of all quads and copies. G from the difference of the energy when
-both ends go on by an edge, and from the force on a tip.
+to 0.1 per cent for long sheets (Tada); from the difference of the energy when both ends go on by an
+edge, and from the force on a tip. Statics by the assembled stiffness of all quads and copies.
 
 Near a sharp tip the stress grows as r^(-1/2), so that bilinear quads find G to first order in their
-size, wherever the crack lies: it looks too short by a part of an edge. By 0.22 h on a line of the
-mesh; through quads by 0.38 to 0.40 h, because the copies beside it are stiff as whole quads.
+size: the crack looks too short, by 0.22 h on a line of the mesh and by 0.38 to 0.40 h through
+quads, because the copies beside it are stiff as whole quads.
 """
 
 import numpy as np

@@ -1,10 +1,8 @@
 """A strip with an oblique notch is pulled apart: the crack turns across the pull on any mesh.
 
-The crack starts at 45 degrees and must run across the strip, nearly normal to the pull. It leans a
-little towards the end that rests, because the notch does: by 0.13 mm in 5.4 on quads of 0.2 mm
-moved at random, by stress alone as by stress and energy (there the two rules differ by 0.007 mm).
-On quads moved at random its path is that one, on rectangles the line of the mesh that it meets,
-within a quarter of an edge (the notch itself ends on the first side of the mesh behind its end).
+It leans a little towards the end that rests, because the notch at 45 degrees does: by 0.13 mm in
+5.4 on quads of 0.2 mm moved at random. On other such quads its path is that one, on rectangles the
+line of the mesh that it meets, within a quarter of an edge.
 """
 
 import numpy as np

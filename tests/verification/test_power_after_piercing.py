@@ -9,10 +9,6 @@ advance and the half of the wedge, 12 degrees, that has come by there,
 With A(l), the area below the law, four teeth then take the power
 
     P = 1.1173 · 4 h A(l) + rate of the film's energy,    s from where the first tip pierces.
-
-The axial force is 4 % of this power. It depends on how the film folds before the teeth: flaps of
-0.2 to 0.4 mm, which straight chords of larger quads cannot fold (1.3 to 3 N on quads of 0.2 to 0.8
-mm).
 """
 
 from itertools import pairwise

@@ -1,11 +1,9 @@
 """A model in other units gives the same curve in these units: no length or stress is hidden in it.
 
-Lengths, times and stresses are multiplied by factors of their own, and with them the density, the
-damping and the penalty of the contact, which are given. With powers of two every rounding is that
-of the reference, so that every bit must agree; other factors round otherwise, and the cut of a
-straight blade must agree to 1e-8 of the largest value of each curve. (On the ring of teeth the
-closest point of a node may lie on the edge between two facets; then round-off decides which of
-their normals, half a degree apart, counts.)
+Lengths, times and stresses are multiplied by factors of their own, and all that is given with them.
+With powers of two every bit must agree; other factors round otherwise, and the cut of a straight
+blade must agree to 1e-8 of the largest value of each curve. (On the ring of teeth round-off decides
+which of two facets is the closest.)
 """
 
 import numpy as np

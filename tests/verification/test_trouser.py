@@ -1,11 +1,9 @@
 """The trouser test: two legs of a notched strip are pulled apart, out of its plane, and tear it.
 
 A leg that is pulled straight up turns the advance of the crack into travel of its end. So the ends
-part by 2 mm per mm of crack, and with G h per mm of crack the force on a leg is G h / 2. The legs
-are stiff beside that force (strain below 1e-3), the pull is slow beside it (momentum of a leg: rho
-h b V² = 0.3 per cent of it), and the process zone is short against the strip.
-
-Measured once the legs stand upright, by lines fitted in time: the crack grows by steps.
+part by 2 mm per mm of crack, and the force on a leg is G h / 2. The legs are stiff beside that
+force, the pull is slow, and the process zone is short against the strip. Measured once the legs
+stand upright, by lines fitted in time: the crack grows by steps.
 """
 
 import numpy as np

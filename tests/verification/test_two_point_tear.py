@@ -1,14 +1,10 @@
 """Two-point tearing: a free sheet is torn by pulling two points of its notched edge apart.
 
-The sheet hardly stretches and bends easily, so that A, the tip T and B come to lie on a line. With
-the unit vectors u_A and u_B from the points to the tip, in the flat sheet, an advance by ds along e
-lets the points part by (u_A + u_B) · e ds. Hence the force on the tip is
-J = F (u_A + u_B). In an isotropic film the crack runs along u_A + u_B, on a hyperbola with the foci
-A and B, at F = G h / |u_A + u_B|; with G(theta) it runs where G(theta) / cos(theta - theta_T) is
-least. Corrections are of the order of sqrt(D / (G h)) / |TA|, 2 per cent here.
-
-The slow tests compare the force, too; the quick ones, on large quads and at high speed, the path of
-the crack alone.
+A, the tip T and B come to lie on a line. With the unit vectors u_A and u_B from the points to the
+tip, in the flat sheet, the force on the tip is J = F (u_A + u_B). In an isotropic film the crack
+runs along u_A + u_B, on a hyperbola with the foci A and B, at F = G h / |u_A + u_B|; with G(theta)
+where G(theta) / cos(theta - theta_T) is least. Corrections are of the order of sqrt(D / (G h)) /
+|TA|, 2 per cent here. The quick tests, on large quads at high speed, compare the path alone.
 """
 
 from typing import NamedTuple

@@ -1,10 +1,8 @@
 """A row of nodes split under uniform tension: with the equilibrium start nothing moves.
 
-A strip is stretched homogeneously, uniaxial stress along x, and fixed at its ends. The element
-carries a homogeneous strain exactly whatever its shape, so the strip is in equilibrium to
-round-off. Then all nodes of its middle line are split across the pull, chosen by the criterion
-itself, and the run continues. The strength of the law is taken as the stress divided by
-``mismatch``.
+A strip is stretched homogeneously, uniaxial stress along x, fixed at its ends, and so in
+equilibrium to round-off. Then all nodes of its middle line are split across the pull, chosen by the
+criterion itself. The strength of the law is the stress divided by ``mismatch``.
 """
 
 import numpy as np

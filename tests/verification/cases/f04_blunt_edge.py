@@ -8,7 +8,7 @@ work is that of the law. With friction mu = 0.3 the force is G h and what fricti
 whose ends lie on the blade gives that in closed form (tests/verification/blunt_edge.py).
 
 Bands: without friction 3 % for waves, on the force less what is damped. Damping has run-to-run
-scatter: radii that differ by 1e-9 to 1e-6 give 2.1 to 5.7 % (test_blunt_edge.py). So its bound is 8
+scatter: radii that differ by 1e-9 to 1e-6 give 2.1 to 5.7 % (test_steady_cut.py). So its bound is 8
 %, and the force itself is printed for information. A radius of 1 µm is to be within 0.5 % of the
 sharp edge. With friction it adds 3e-4 of G h, and waves change as much from one time step to
 another, so force and friction have to grow from there on. For information: the ends of the cables

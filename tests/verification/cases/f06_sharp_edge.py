@@ -51,7 +51,7 @@ def opening(radius, law):
         duration=6e-3 * 70.0 / 95.0,
     )
     names = "cohesive_work", "tool_work", "imbalance"
-    angle, *works, imbalance = course(case.simulation, case.duration, *names, every=1)
+    angle, *works, imbalance = course(case.simulation, case.duration, *names, every=1, close=False)
     late = angle > np.radians(30.0)
     exact = steady_work_per_radian(law=law.at_edge(radius))
     slopes = [float(np.polyfit(angle[late], work[late], 1)[0]) / exact for work in works]
