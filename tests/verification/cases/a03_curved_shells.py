@@ -53,9 +53,7 @@ def of_roof(mesh):
 
 @case("A03", "Scordelis-Lo roof")
 def a03():
-    """A03 Scordelis-Lo roof, linear.
-
-    Cylindrical roof R = 25, L = 50, half angle 40°, t = 0.25, E = 4.32e8, nu = 0; 90 a unit area
+    """Cylindrical roof R = 25, L = 50, half angle 40°, t = 0.25, E = 4.32e8, nu = 0; 90 a unit area
     downwards; rigid diaphragms at the curved ends, straight edges free; a quarter with symmetry.
     Read: the vertical displacement in the middle of the free edge over 0.3024.
 
@@ -80,9 +78,7 @@ def of_cylinder(pinched):
 
 @case("A04", "Pinched cylinder with diaphragms")
 def a04():
-    """A04 pinched cylinder with rigid end diaphragms, linear.
-
-    R = 300, L = 600, t = 3, E = 3e6, nu = 0.3; two opposite unit radial forces at mid length; an
+    """R = 300, L = 600, t = 3, E = 3e6, nu = 0.3; two opposite unit radial forces at mid length; an
     eighth with three symmetry planes. Read: the radial displacement under the load over 1.8248e-5.
 
     Source: Ko, Lee, Lee, Bathe, C&S 193 (2017) 187-206, Tables 8-9 (MITC4, N = 16: 0.9286). The
@@ -109,9 +105,7 @@ def of_hemisphere(mesh):
 
 @case("A05", "Pinched hemisphere with hole", axes=("quads a side of a quarter", "u / 0.093"))
 def a05():
-    """A05 pinched hemisphere with an 18° hole, linear.
-
-    R = 10, t = 0.04, E = 6.825e7, nu = 0.3, hole of 18° at the pole, equator free; four radial
+    """R = 10, t = 0.04, E = 6.825e7, nu = 0.3, hole of 18° at the pole, equator free; four radial
     forces of 2, alternately in and out, at the quarters of the equator. A quarter with two symmetry
     planes, 1 at each loaded node; the loaded node on x holds the axial displacement. Read: the
     radial displacement under a load, the mean of both, over 0.093.
@@ -173,11 +167,11 @@ def of_strip(load, n, *, thickness=0.32, place=strip):
 
 @case("A06", "Twisted beam", axes=("quads across, N", "displacement over the unit of each load"))
 def a06():
-    """A06 MacNeal-Harder twisted beam, linear.
+    """L = 12, width 1.1, t = 0.32, twisted by 90° from root to tip, E = 29e6, nu = 0.22.
 
-    L = 12, width 1.1, t = 0.32, twisted by 90° from root to tip, E = 29e6, nu = 0.22; root clamped,
-    unit force over the tip's edge (i) along the width, (ii) normal to it. Meshes of N quads across,
-    6 N along. Read: displacement of the tip's middle along the force over 5.424e-3 and 1.754e-3.
+    Root clamped, unit force over the tip's edge (i) along the width, (ii) normal to it. Meshes of N
+    quads across, 6 N along. Read: displacement of the tip's middle along the force over 5.424e-3
+    and 1.754e-3.
 
     Source: Ko, Lee, Lee, Bathe, C&S 193 (2017) 187-206, Tables 12-13 (MITC4, N = 2, (i): 0.9892);
     Zupan, Saje 2004 (exact beam 5.424535e-3, 1.753248e-3). The shear factor is 1 as in the source.
@@ -219,11 +213,9 @@ TWISTED_FACETS = {
 
 @case("A15", "Another element: facets of OpenSees' ShellMITC4", fast=False)
 def a15():
-    """A15 OpenSees' ShellMITC4 is not the MITC4 of 1984 on curved or warped meshes.
-
-    That code projects each quad to a flat facet and adds a drilling stiffness; on coarse curved
-    meshes it is far stiffer, on warped thin ones it locks outright. Our values on the same meshes
-    against its values, for information only. The two agree in the limit of fine meshes
+    """OpenSees' ShellMITC4 projects each quad to a flat facet and adds a drilling stiffness; on
+    coarse curved meshes it is far stiffer, on warped thin ones it locks outright. Our values on the
+    same meshes against its values, for information only. The two agree in the limit of fine meshes
     only; on flat meshes they agree everywhere (A08).
 
     Source: OpenSees 3.7.1, run for the collection.

@@ -73,10 +73,8 @@ ELASTICA = rows_of(
 
 @case("B01", "Cantilever, end shear", axes=OF_TIP)
 def b01():
-    """B01 Cantilever under end shear.
-
-    L = 10, b = 1, h = 0.1, E = 1.2e6, nu = 0; dead shear of 4 in all along the end edge, the other
-    end clamped; 16 x 1 quads. Read: tip deflections over load.
+    """L = 10, b = 1, h = 0.1, E = 1.2e6, nu = 0; dead shear of 4 in all along the end edge, the
+    other end clamped; 16 x 1 quads. Read: tip deflections over load.
 
     Source: Table 1, 16 x 1, itself up to 0.1 % off the exact elastica, which is B02.
     """
@@ -85,11 +83,9 @@ def b01():
 
 @case("B02", "Cantilever, end shear: exact elastica", axes=OF_TIP)
 def b02():
-    """B02 Cantilever under end shear: the exact elastica.
-
-    As B01. The elastica neither stretches nor shears: EI = 100, EI theta'' = -P cos(theta), clamped
-    at the root, no moment at the tip. The strip's own stretch and shear are of order (h / L)² =
-    1e-4.
+    """As B01. The elastica neither stretches nor shears: EI = 100, EI theta'' = -P cos(theta),
+    clamped at the root, no moment at the tip. The strip's own stretch and shear are of order (h /
+    L)² = 1e-4.
 
     Source: boundary-value problem solved to 1e-10. The mesh series shows the order of convergence,
     the distance between the solutions on three meshes, which needs no exact one.
@@ -122,9 +118,7 @@ ROLL = rows_of(
 
 @case("B03", "Cantilever, end moment, roll-up", axes=(OF_TIP[0], "moment over the largest moment"))
 def b03():
-    """B03 Cantilever under an end moment: rolled up to a full circle.
-
-    L = 12, b = 1, h = 0.1, E = 1.2e6, nu = 0; the end moment 2 pi EI / L = 50 pi / 3 bends the
+    """L = 12, b = 1, h = 0.1, E = 1.2e6, nu = 0; the end moment 2 pi EI / L = 50 pi / 3 bends the
     strip to a circle, U = L (sin k / k) - L, W = (L / k)(1 - cos k) with k = M L / EI.
 
     Source: Table 2, which prints the closed form. Each of 16 x 1 quads spans 22.5 degrees at the
@@ -183,11 +177,9 @@ def lifts(n_radial):
 
 @case("B04", "Slit annular plate, lifted lip", fast=False, axes=("lift of the lip", OVER_LARGEST))
 def b04():
-    """B04 Annular plate slit along a radius, one lip lifted.
-
-    Radii 6 and 10, h = 0.03, E = 21e6, nu = 0; vertical dead line force of 0.8 a unit length on one
-    lip of the slit, the other lip clamped. Read: lift of the inner corner A and the outer corner B
-    of the loaded lip.
+    """Radii 6 and 10, h = 0.03, E = 21e6, nu = 0; vertical dead line force of 0.8 a unit length on
+    one lip of the slit, the other lip clamped. Read: lift of the inner corner A and the outer
+    corner B of the loaded lip.
 
     Source: Table 3, 10 x 80.
     """
@@ -221,11 +213,10 @@ def deflections(n, *, exact=True):
     axes=("deflection", OVER_LARGEST),
 )
 def b05():
-    """B05 Hemisphere with an 18 degree hole under alternating radial forces.
-
-    R = 10, h = 0.04, E = 6.825e7, nu = 0.3; four radial dead forces of up to 400 at the equator,
-    outward and inward in turn: 200 at each loaded node of the quarter with two symmetry planes; one
-    axial displacement fixed. Read: outward deflection of A, inward deflection of B.
+    """R = 10, h = 0.04, hole of 18°, E = 6.825e7, nu = 0.3; four radial dead forces of up to 400 at
+    the equator, outward and inward in turn: 200 at each loaded node of the quarter with two
+    symmetry planes; one axial displacement fixed. Read: outward deflection of A, inward deflection
+    of B.
 
     Source: Table 4, 16 x 16. S4R integrates its membrane strains once a quad and does not lock. The
     membrane of plain MITC4 locks in the deformed, warped quads, on 16 x 16 by 5 % at full load
@@ -266,10 +257,8 @@ def pinched_path(n, *, exact=True):
 
 @case("B07", "Pinched cylinder, large displacement", fast=False, axes=("deflection", OVER_LARGEST))
 def b07():
-    """B07 Pinched cylinder with rigid end diaphragms.
-
-    R = 100, L = 200, h = 1, E = 30000, nu = 0.3; two opposite inward dead forces of up to 12000 at
-    mid length: 3000 on the eighth; end diaphragms hold the displacements in their plane. Read:
+    """R = 100, L = 200, h = 1, E = 30000, nu = 0.3; two opposite inward dead forces of up to 12000
+    at mid length: 3000 on the eighth; end diaphragms hold the displacements in their plane. Read:
     inward deflection of A under the force, and U of B, the side at mid length. The path is followed
     by arc length, since near 0.16 of the load it is almost flat; deflections at the table's load
     factors come from a cubic through its points.
@@ -328,13 +317,11 @@ def snap_path(n, *, exact=True):
     axes=("deflection of the centre, mm", OVER_LARGEST),
 )
 def b09():
-    """B09 Hinged cylindrical roof, h = 12.7: snap-through.
-
-    R = 2540, length 508, half angle 0.1, E = 3102.75, nu = 0.3; straight edges hinged, curved edges
-    free, a downward force of up to 3000 at the centre: 750 on the quarter. The load rises to a
-    limit point at 0.742 of it, falls to 0.173 and rises again; the path is followed by arc length.
-    Read: distance of the table's points to our curve of load factor over deflection, both axes
-    scaled by the table's largest value; the limit loads.
+    """R = 2540, h = 12.7, length 508, half angle 0.1, E = 3102.75, nu = 0.3; straight edges hinged,
+    curved edges free, a downward force of up to 3000 at the centre: 750 on the quarter. The load
+    rises to a limit point at 0.742 of it, falls to 0.173 and rises again; the path is followed by
+    arc length. Read: distance of the table's points to our curve of load factor over deflection,
+    both axes scaled by the table's largest value; the limit loads.
 
     Source: Table 8. It gives its arc-length points, not the limit points themselves.
     """

@@ -89,11 +89,9 @@ def clamped_disc(n_side):
 
 @case("C01", "Clamped circular plate, frequencies", axes=OVER_RADIUS)
 def c01():
-    """C01 Circular thin plate, clamped: natural frequencies.
-
-    Radius a, nu = 0.3, a / h = 1000. Read: lambda² = omega a² sqrt(rho h / D) of the modes with n
-    nodal diameters and s nodal circles, found by their likeness to the exact shape
-    J_n(k r) - J_n(k a) / I_n(k a) I_n(k r).
+    """Radius a, nu = 0.3, a / h = 1000. Read: lambda² = omega a² sqrt(rho h / D) of the modes with
+    n nodal diameters and s nodal circles, found by their likeness to the exact shape J_n(k r) -
+    J_n(k a) / I_n(k a) I_n(k r).
 
     Source: exact, J_n I_n' - I_n J_n' = 0 (Leissa, NASA SP-160). Band: s the mean spacing.
     """
@@ -131,9 +129,7 @@ def stretched_disc(n_side):
 
 @case("C03", "Circular membrane, frequencies", axes=OVER_RADIUS)
 def c03():
-    """C03 Circular membrane under uniform tension: natural frequencies.
-
-    Radius a, a / h = 1e4, stretched by 1 %, border fixed. Read: k = omega a / sqrt(T / m) of the
+    """Radius a, a / h = 1e4, stretched by 1 %, border fixed. Read: k = omega a / sqrt(T / m) of the
     modes with n nodal diameters and s circles, found by their likeness to J_n(k r). With S the
     second Piola-Kirchhoff stress of the stretch, T per present length and m per present area, k is
     omega a / sqrt(S / rho), a of the reference. The border is free to turn: bending then has no
@@ -171,10 +167,8 @@ HARD = [Support(side, rotation=axes) for side, axes in TURNS.items()]
     axes=("side of a quad over that of the plate, s / a", ERROR),
 )
 def c04():
-    """C04 Square thin plate, simply supported: natural frequencies.
-
-    Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six. Hard simple support:
-    no tilt along the edge, as in the double sine.
+    """Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six. Hard simple
+    support: no tilt along the edge, as in the double sine.
 
     Source: exact, pi² (m² + n²); the same numbers by Ritz with Legendre polynomials.
     """
@@ -188,9 +182,7 @@ def c04():
 
 @case("C05", "Square plate CCCC, frequencies")
 def c05():
-    """C05 Square thin plate, clamped on all sides: natural frequencies.
-
-    Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
+    """Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
 
     Source: Ritz with Legendre polynomials 10 x 10, exact to about 0.02 % (Leissa 1973: 35.992, an
     upper bound).
@@ -201,9 +193,7 @@ def c05():
 
 @case("C06", "Square plate CFFF, frequencies")
 def c06():
-    """C06 Square thin plate, one side clamped, the others free: natural frequencies.
-
-    Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
+    """Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
 
     Source: Ritz with Legendre polynomials 10 x 10, exact to about 0.02 %; Barton 1951 (code_aster
     SDLS01) has upper bounds 0.2 to 0.6 % higher.
@@ -218,9 +208,7 @@ LAST_DIGIT = [0.0005, 0.005, 0.0005, 0.005, 0.005, 0.0005, 0.0005, 0.0005]
 
 @case("C09", "NAFEMS FV12 free square plate")
 def c09():
-    """C09 NAFEMS FV12, free thin square plate.
-
-    10 m x 10 m, t = 0.05 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m³, all edges free. Read: the
+    """10 m x 10 m, t = 0.05 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m³, all edges free. Read: the
     frequencies after the six rigid modes.
 
     Source: NAFEMS FV12 as in FinEtoolsFlexStructures.jl, FV12_vibration_examples.jl. Band: also

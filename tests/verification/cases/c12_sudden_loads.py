@@ -50,11 +50,9 @@ def swing():
     axes=("t c / L", "displacement of the end over 2 σ₀ L / E"),
 )
 def c12():
-    """C12 Bar loaded suddenly at its end: waves in one dimension.
-
-    A strip of shells, nu = 0, length L, fixed at one end; at the other the stress sigma0 acts from
-    t = 0 on. Read: displacement of that end, arrival of the front at the middle, and the critical
-    step.
+    """A strip of shells, nu = 0, length L, fixed at one end; at the other the stress sigma0 acts
+    from t = 0 on. Read: displacement of that end, arrival of the front at the middle, and the
+    critical step.
 
     Source: d'Alembert. The displacement of the end is a triangle in time: 0 to 2 sigma0 L / E at t
     = 2 L / c and back, with c = sqrt(E / rho). On equal quads of length s with lumped mass the
@@ -207,9 +205,7 @@ def compared(what, k, theirs, ours, band, reason, *, gate=True):
     axes=("time, s", "deflection of the middle, in"),
 )
 def c13():
-    """C13 Clamped spherical cap under a pressure step.
-
-    R = 22.27 in, t = 0.41 in, half angle 26.67°, E = 10.5e6 psi, nu = 0.3, rho = 2.45e-4 lb
+    """R = 22.27 in, t = 0.41 in, half angle 26.67°, E = 10.5e6 psi, nu = 0.3, rho = 2.45e-4 lb
     s²/in⁴, 600 psi inwards from t = 0 on, border clamped; elastic, large displacements. Read:
     extremes of the deflection in the middle, inches and seconds.
 
@@ -285,15 +281,13 @@ def crown():
     axes=("time, s", "deflection of the crown at y = 6.28 in, in"),
 )
 def c15():
-    """C15 Impulsively loaded 120° cylindrical panel (Balmer and Witmer 1964; Belytschko 1984).
-
-    R = 2.9375, length 12.56, t = 0.125 in, E = 10.5e6 psi, nu = 0.33, rho = 2.5e-4 lb s²/in⁴,
+    """R = 2.9375, length 12.56, t = 0.125 in, E = 10.5e6 psi, nu = 0.33, rho = 2.5e-4 lb s²/in⁴,
     inward velocity 5650 in/s over a length of 10.205 in; straight sides clamped, ends simply
     supported. Read: largest deflection of the crown at y = 6.28 in.
 
-    Source: from memory, unverified, and of a metal that yields at 44,000 psi: 1.2 to 1.3 in. Ours
-    is elastic: beside, for the run itself. Here the loaded length begins at the end y = 0 of a half
-    model whose plane of symmetry is x = 0.
+    Source: Balmer and Witmer 1964, Belytschko 1984, from memory, unverified, and of a metal that
+    yields at 44,000 psi: 1.2 to 1.3 in. Ours is elastic: beside, for the run itself. Here the
+    loaded length begins at the end y = 0 of a half model whose plane of symmetry is x = 0.
     """
     time, w = crown()
     c15.CURVES["elastic"] = curve(time, w, [0.0, 1e-3], [1.25, 1.25])

@@ -65,7 +65,7 @@ def coefficients(n_side):
     axes=("1 / n, n quads along a side of the core", "relative error"),
 )
 def d01():
-    """D01 Hencky's membrane: a flat disc without prestress under dead pressure, border fixed.
+    """A flat disc without prestress under dead pressure, border fixed.
 
     Radius a, nu = 0.3. Read, over the powers of q a / E h that belong to them: deflection w0 and
     radial stress in the middle, radial stress at the border, volume swept.
@@ -174,9 +174,8 @@ def deflection(scale):
 
 @case("D07", "code_aster SSNA302")
 def d07():
-    """D07 code_aster SSNA302: simply supported circular plate, large deflection.
-
-    R = 10, h = 1 mm, E = 200 GPa, nu = 0.3, pressure 222.72 MPa. Read: w0.
+    """A simply supported circular plate, R = 10, h = 1 mm, E = 200 GPa, nu = 0.3, pressure 222.72
+    MPa. Read: w0.
 
     Source: V6.01.302 (solid elements, SAMCEF): 1.5 mm; the support acts at one fibre of a thick
     plate. Confidence low to medium: for information. Von Karman's theory, border fixed in its plane
@@ -192,9 +191,9 @@ def d07():
 
 @case("D08", "code_aster inflated disk: definition missing", fast=False)
 def d08():
-    """D08 code_aster V6.05.115: inflated disk of Saint Venant-Kirchhoff membrane, w0 = 2448 mm.
+    """V6.05.115, a Saint Venant-Kirchhoff membrane, w0 = 2448 mm: a lead only.
 
-    A lead only, confidence low: radius, thickness, modulus and pressure are on a page that was not
+    Confidence low: radius, thickness, modulus and pressure are on a page that was not
     found, so there is nothing to compute and no check. D01 is the same problem at small slopes.
     """
     return []

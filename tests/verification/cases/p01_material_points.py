@@ -26,12 +26,10 @@ def walk(steps):
 
 @case("P01", "Plasticity on a path that turns")
 def p01():
-    """P01 Plasticity on a path of stresses that turns: von Mises, isotropic hardening.
-
-    E = 195,000, nu = 0.3, yield stress 181, tangent 1,930 MPa (H = 1949.29). One point is led by
-    stresses from zero to A (151.2, 93.1) and on a straight line to B (257.2, 33.1), sigma_xx and
-    tau_xy. The law is that of the films, between logarithmic strain and its stress, where a path of
-    small strains is exact at any size.
+    """Von Mises, isotropic: E = 195,000, nu = 0.3, yield stress 181, tangent 1,930 MPa (H =
+    1949.29). One point is led by stresses from zero to A (151.2, 93.1) and on a straight line to B
+    (257.2, 33.1), sigma_xx and tau_xy. The law is that of the films, between logarithmic strain and
+    its stress, where a path of small strains is exact at any size.
 
     Source: inputs of Code_Aster V6.03.015 (SSNP15); values integrated from the rate equations in
     small steps, converged. The return at the end of the step is of the first order in the step on
@@ -59,11 +57,9 @@ def point_at(angle):
 
 @case("P02", "Hill's strips")
 def p02():
-    """P02 Strips of a rolled sheet: strength and r-value by angle, from Hill's criterion.
-
-    r = 0.8, 1.2, 1.6 at 0, 45 and 90°; a strip along MD yields at 1. Strips are cut at angles of 0
-    to 90° and pulled far beyond yield; their strength and the ratio of plastic strains in width and
-    thickness are those of the closed form,
+    """r = 0.8, 1.2, 1.6 at 0, 45 and 90°; a strip along MD yields at 1. Strips are cut at angles of
+    0 to 90° and pulled far beyond yield; their strength and the ratio of plastic strains in width
+    and thickness are those of the closed form,
 
         r(theta) = [H + (2N - F - G - 4H) s² c²] / (F s² + G c²).
 
@@ -107,7 +103,7 @@ PATHS = {  # strain, number of the stress; equivalent stress and strain over the
 
 @case("P03", "Large strains of every law", fast=False)
 def p03():
-    """P03 Large strains: every law pulled, stretched equibiaxially, sheared to a true strain of 1.
+    """Every law pulled, stretched equibiaxially and sheared to a true strain of one.
 
     In a monotonic path the stress is the hardening curve itself: with the equivalent stress q and
     the plastic strain ε - q/E' of the path, q = sigma_y(p), exactly and in one step or many.

@@ -93,9 +93,7 @@ SERIES = {
 
 @case("X01", "Order of convergence", axes=("side of a quad", "relative error"))
 def x01():
-    """X01 observed order of convergence on smooth problems with closed forms.
-
-    - plate: hard simply supported, h / L = 0.1, sine load; w = q / (D k⁴) + q / (κ G h k²),
+    """- plate: hard simply supported, h / L = 0.1, sine load; w = q / (D k⁴) + q / (κ G h k²),
       k² = 2 π².
     - disc: clamped circular plate, h / R = 0.01, uniform pressure;
       w = q (R² - r²)² / (64 D) + q (R² - r²) / (4 κ G h), on the library's unstructured disc.
@@ -165,13 +163,12 @@ def flat_rows(name, ratio, *, thicknesses=THICKNESSES, curved=0.0, also=""):
 
 @case("X02", "Locking", axes=("thickness over length, t / L", "w over the exact w"))
 def x02():
-    """X02 locking: none in shear; in the membrane of curved quads, as it is.
-
-    *Shear.* Plates and an arch from thick to t / L = 1e-4 on coarse meshes, regular and skewed. The
-    deflection over the exact one stays flat: MITC4 ties the transverse shear. Exact: hard simply
-    supported plate, thin plate plus shear, 0.0736713 q L² / (κ G h); arch, Timoshenko's curved bar,
-    π P (a² + b²) / (E (a² - b² + (a² + b²) ln b/a)). The arch of h / R = 0.1 is 0.75 (h / R)² too
-    stiff beside the error of its mesh: the strain is linear in ξ³ (:mod:`shellcut.mitc4`).
+    """*Shear.* Plates and an arch from thick to t / L = 1e-4 on coarse meshes, regular and skewed.
+    The deflection over the exact one stays flat: MITC4 ties the transverse shear. Exact: hard
+    simply supported plate, thin plate plus shear, 0.0736713 q L² / (κ G h); arch, Timoshenko's
+    curved bar, π P (a² + b²) / (E (a² - b² + (a² + b²) ln b/a)). The arch of h / R = 0.1 is 0.75 (h
+    / R)² too stiff beside the error of its mesh: the strain is linear in ξ³
+    (:mod:`shellcut.mitc4`).
 
     *Membrane.* Where mesh lines follow the lines of curvature (or the rulings of the twisted strip)
     quads bend without stretching. On skewed meshes of doubly curved shells they cannot, and the
