@@ -195,15 +195,6 @@ def test_speed_and_phase_do_not_matter(tmp_path):
 
 
 @pytest.mark.slow
-def test_classical_cables_feel_a_quarter(tmp_path):
-    case = opening_test("M1", directional=False)
-    summary, history = run(case, tmp_path)
-    assert summary["n_cable_jointed"] == 0
-    at = np.interp(45.0, history["angle"], history["torque"])
-    assert at < 0.35 * 143.8
-
-
-@pytest.mark.slow
 def test_equilibrium_start(tmp_path):
     check_opening("M1", tmp_path, fracture=Fracture(equilibrium_start=True))
 

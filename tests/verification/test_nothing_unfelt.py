@@ -9,6 +9,7 @@ import pytest
 
 import shellcut as sc
 from blunt_tools import spike
+from courses import recorded
 from shellcut import Contact, Fracture, StraightMotion
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
@@ -49,13 +50,10 @@ DEEPEST = {"opening quick": 0.6}
 
 def deepest_unfelt(sim, n_step):
     """Depths of the tool in quads, and of borders of the film in the tool."""
-    unfelt, deepest = UnfeltPenetration(sim), np.zeros(2)
-    for _ in range(n_step):
-        sim.step()
-        if sim.state.step % 20 == 0:
-            deepest = np.maximum(deepest, unfelt.now())
+    unfelt = UnfeltPenetration(sim)
+    found = recorded(sim, lambda one: one.state.step >= n_step, lambda one: unfelt.now(), every=20)
     assert sim.ledger.tool_work > 0.0
-    return deepest
+    return found.max(axis=1)
 
 
 @pytest.mark.parametrize("felt", [True, False])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import recorded
 from curved_films import moved
 from harness import load_cases
 from page_tables import in_range, numbers_of, row
@@ -44,15 +45,16 @@ def trouser(kind, size, share=None):
 def torn(sim):
     """Tear; return crack, distance, works of supports and cables, imbalance, kinetic energy."""
     up, down = (sim.mesh.node_set(name)[0] for name in ("up", "down"))
-    rows = []
-    while sim.state.time < 8e-3 and sim.state.crack_length < FAR:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            book, x = sim.ledger, sim.state.node.x
-            apart = x[up, 2] - x[down, 2]
-            works = book.support_work, book.cohesive_work, book.imbalance, book.kinetic
-            rows.append((sim.state.crack_length, apart, *works))
-    return np.array(rows).T
+
+    def read(sim):
+        book, x = sim.ledger, sim.state.node.x
+        works = book.support_work, book.cohesive_work, book.imbalance, book.kinetic
+        return sim.state.crack_length, x[up, 2] - x[down, 2], *works
+
+    def far(sim):
+        return sim.state.time >= 8e-3 or sim.state.crack_length >= FAR
+
+    return recorded(sim, far, read, every=50)
 
 
 def slope(of, over):

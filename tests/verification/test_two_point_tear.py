@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import recorded
 from films import from_zero, shaken
 from shellcut.mesh.structured import rectangle
 
@@ -65,13 +66,15 @@ def pulled(sheet):
 
 def torn(sim, ends, far):
     """Tear; return crack, distance of the points and work of the supports in time."""
-    rows = []
-    while sim.state.time < 0.1 and sim.state.crack_length < far:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            a, b = sim.state.node.x[ends]
-            rows.append((sim.state.crack_length, np.linalg.norm(a - b), sim.ledger.support_work))
-    return np.array(rows).T
+
+    def read(sim):
+        a, b = sim.state.node.x[ends]
+        return sim.state.crack_length, np.linalg.norm(a - b), sim.ledger.support_work
+
+    def ended(sim):
+        return sim.state.time >= 0.1 or sim.state.crack_length >= far
+
+    return recorded(sim, ended, read, every=50)
 
 
 def sum_of_ways(sheet, T):

@@ -1,18 +1,17 @@
 """F03 Slice and push: a blade that cuts across its edge and slides along it.
 
 A strip is cut by a blade with the speed v along the strip and xi v along its edge; V and H are the
-forces along the two. Read: work of each force per length of cut, over whole node periods of the
-steady part.
+forces along the two. Read: work of each force per length of cut, over whole node periods.
 
-1. The film of 2010, whose flaps move out of plane: V + xi H = G h whatever the joints do, as long
-as there is no friction. Source: exact as a statement of energy.
+1. The film of 2010, whose flaps move out of plane, without friction: V + xi H = G h whatever the
+   joints do. Source: exact as a statement of energy.
 2. A stiff thin cut, 1 mm of film with a tenth of the paper's G and a blade of 4 µm, which stays in
    plane: perfect adhesion gives V = G h / (1 + xi²) and H = xi V ([Atkins2016]), free slip V = G h
-   and H = 0, and Coulomb slip with mu the same as adhesion, but with rho = min(xi, mu pi/2) in
-   place of xi, and friction H (xi - rho). Source: derived in shellcut.cables.joint_slip.
+   and H = 0, and Coulomb slip the same as adhesion with rho = min(xi, mu pi/2) in place of xi, and
+   friction H (xi - rho). Source: derived in shellcut.cables.joint_slip.
 
-Bands: the 2 % and 3 % that were asked for. In plane the mesh matters: 0.8 mm gives V 4 % too high
-at xi = 2, 0.4 mm half of it, because a cable begins across the blade and not along it.
+Bands: the 2 % and 3 % that were asked for. In plane 0.8 mm gives V 4 % too high at xi = 2, 0.4 mm
+half of it, because a cable begins across the blade and not along it.
 """
 
 import numpy as np

@@ -3,16 +3,14 @@
 The guillotine of F02 with an edge of radius 0 to 0.2 mm, r / h up to 2.7. Read: work of the blade
 per length over whole node periods, its part that friction takes, imbalance.
 
-Source: exact as statements of energy. Without friction F = G h for every radius, because all of the
-work is that of the law. With friction mu = 0.3 the force is G h and what friction takes; a cable
-whose ends lie on the blade gives that in closed form (tests/verification/blunt_edge.py).
+Source: exact as statements of energy. Without friction F = G h for every radius. With friction mu =
+0.3 the force is G h and what friction takes; a cable whose ends lie on the blade gives that in
+closed form (tests/verification/blunt_edge.py).
 
-Bands: without friction 3 % for waves, on the force less what is damped. Damping has run-to-run
-scatter: radii that differ by 1e-9 to 1e-6 give 2.1 to 5.7 % (test_steady_cut.py). So its bound is 8
-%, and the force itself is printed for information. A radius of 1 µm is to be within 0.5 % of the
-sharp edge. With friction it adds 3e-4 of G h, and waves change as much from one time step to
-another, so force and friction have to grow from there on. For information: the ends of the cables
-are not on the blade but move freely beside it, and as they oscillate the cables slide to and fro.
+Bands: without friction 3 % for waves, on the force less what is damped, which has run-to-run
+scatter (test_steady_cut.py): 8 %. A radius of 1 µm is to be within 0.5 % of the sharp edge. With
+friction it adds 3e-4 of G h, as much as waves, so force and friction have to grow from there on.
+For information: the ends of the cables are not on the blade but oscillate beside it.
 """
 
 import numpy as np

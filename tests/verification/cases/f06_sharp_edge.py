@@ -7,12 +7,10 @@ length of cut, over G_s h with G_s = min(G, G_0 + 2 r H).
 
 Source: exact as a statement of energy, once the law is taken (docs/theory/cables.md). For
 information: Gent and Wang, J. Polym. Sci. B 34 (1996) 2231 [GentWang1996], LDPE 1 kJ/m² cut and
-about 10 torn: the law has both, so a run with the razor has to give the first, while cables that no
-edge meets, as in a tear, keep the second exactly (tests/unit/test_severing.py).
+about 10 torn; a run with the razor has to give the first.
 
-Bands: cables 1 %, whole node periods of a sawtooth; from r_c on 3 %, for run-to-run scatter and
-waves as in F04, whose edges these are. The work of the tool includes damping, 0.1 to 1 N/mm
-whatever the radius: it is printed for information.
+Bands: cables 1 %, whole node periods of a sawtooth; from r_c on 3 %, as in F04. The work of the
+tool includes damping, 0.1 to 1 N/mm whatever the radius: it is printed for information.
 """
 
 from dataclasses import replace

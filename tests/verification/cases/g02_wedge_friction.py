@@ -2,19 +2,16 @@
 
 A plate 1 mm thick and 2 mm wide, free at its sides and clamped at its far end, is split along its
 middle by a long wedge of half-angle a that drives the crack ahead of itself. The two arms bend in
-their plane like beams until they lie on the faces of the wedge, and slide on: all of the force is
-contact and friction. (A film of 0.074 mm buckles out of the plane instead; the cables never meet
-the edge here, which would take up G h without any pressure on the faces.) Read: force over G h,
-from the work of the tool, and the work of friction over that of the tool.
+their plane like beams until they lie on the faces of the wedge, and slide on. The cables never meet
+the edge. Read: force over G h, from the work of the tool, and the work of friction over that.
 
-Source: Williams and Patel (2016), rederived. Per unit of travel, arms that do not stretch slip by
-the same. With N on each face, F = 2 N (sin a + mu cos a), and F = G h + 2 mu N: with mu = tan b
+Source: Williams and Patel (2016), rederived. With N on each face, F = 2 N (sin a + mu cos a), and F
+= G h + 2 mu N: with mu = tan b
 
     F / (G h) = sin(a + b) / (sin(a + b) - sin b),   friction / F = sin b / sin(a + b).
 
 Bands: 5 % as asked of a mesh with four quads over each arm; of it the damping of the cables that
-break one by one takes some 2 %. The energies balance, so force less G h, friction and damping is
-what is stored: within 1 % of the force, in the mean over whole quads.
+break one by one takes some 2 %. What is left of the force is stored: within 1 % of it.
 """
 
 import numpy as np

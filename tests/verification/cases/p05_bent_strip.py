@@ -7,15 +7,13 @@ Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its 
 and the curvature that springs back is 12 M/(E b t³). It leaves at the height z the stress of the
 bent strip less that of an elastic one,
 
-    sigma = min(E kappa z, sigma_y) - 12 M z/(b t³)     (z > 0, and the opposite below),
+    sigma = min(E kappa z, sigma_y) - 12 M z/(b t³)     (z > 0, and the opposite below).
 
-with no resultant and no moment: compressed at the faces, pulled at the border of the core. In a
-wide strip, whose width is fixed, the limit is M_p 2/sqrt 3, M_p = 3/2 M_y.
+In a wide strip, whose width is fixed, the limit is M_p 2/sqrt 3, M_p = 3/2 M_y.
 
 Source: closed form (beam theory). Two layers of nine Gauss points see the border of the elastic
-core between two of them: up to 1 % of the moment. Beam theory knows no stress across the strip. A
-section that stays straight across its width has some wherever elastic and plastic contraction
-differ (0.017 sigma_y beside the core with nu = 0.3), so nu is that of plastic flow.
+core between two of them: up to 1 % of the moment. Beam theory knows no stress across the strip,
+so nu is that of plastic flow.
 """
 
 import numpy as np

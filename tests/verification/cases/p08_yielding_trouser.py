@@ -1,33 +1,28 @@
 """P08 Trouser strip whose legs yield: what the pull does beyond G h is what the legs dissipate.
 
 Two legs of breadth b/2 are pulled apart, out of the plane of the strip, each by a force F. In the
-steady state the picture moves with the tip, so over one millimetre of crack (a) the work of the two
-ends, dW/da = 2 F dw/da with w half their distance, is
+steady state, over one millimetre of crack (a), the work of the two ends, dW/da = 2 F dw/da with w
+half their distance, is
 
     dW/da = G h + D + U + losses,
 
-G h of the crack, D the plastic dissipation of the two legs as they are bent away from the plane and
-straightened again, U the elastic energy that their residual stresses keep for good. What bends
-without yielding gives its energy back. U/D is of the order of (sigma_y/E)/(kappa h), so of a stiff
-film the excess is D alone:
+G h of the crack, D the plastic dissipation of the two legs as they are bent and straightened again,
+U the elastic energy that their residual stresses keep. U/D is of the order of (sigma_y/E)/(kappa
+h), so of a stiff film the excess is D alone:
 
     F - G h/2 = D/2      for dw/da = 1  (the ends rise by 1.4 % more: the torn edges are stretched).
 
-G h is the law's, not what the cables took; that they took it is a check of its own. The losses,
-moving and damped legs, are below one per cent of D; the film whose legs yield less is torn at half
-the speed, so that they are so there too.
+The losses, moving and damped legs, are below one per cent of D; the film whose legs yield less is
+torn at half the speed. The crack runs along a straight line of sides.
 
-The crack runs along a straight line of sides; tests/verification/test_trouser.py leads it through
-quads.
-
-Source: energy balance. Slopes over w by fitted lines, from ``START`` on: the crack grows by one
-side at a time.
+Source: energy balance. Slopes over w by fitted lines: the crack grows by one side at a time.
 """
 
 from functools import partial
 
 import numpy as np
 
+from courses import recorded
 from harness import Check, zero
 from shellcut import Elastic, Fracture, Layer, Linear, Plastic, ShellMaterial, Simulation, Support
 from shellcut.models.trouser import TEAR_LAW, trouser_strip
@@ -77,25 +72,22 @@ def works(sim, end=END, start=START):
     With them ``"way"``, dw/da, and the largest imbalance over the work of the pull.
     """
     up, down = (sim.mesh.node_set(leg)[0] for leg in ("up", "down"))
-    rows, way = [], 0.0
-    while way < end:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            book, z = sim.close_ledger(), sim.state.node.x[:, 2]
-            way = 0.5 * (z[up] - z[down])
-            rows.append(
-                {
-                    "way": way,
-                    "crack": sim.state.crack_length,
-                    "pull": book.support_work,
-                    "cables": book.cohesive_work,
-                    "plastic": book.material_dissipated,
-                    "elastic": book.strain,
-                    "lost": book.damping + book.kinetic,
-                    "imbalance": book.imbalance,
-                }
-            )
-    table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+    def way(sim):
+        z = sim.state.node.x[:, 2]
+        return 0.5 * (z[up] - z[down])
+
+    def read(sim):
+        book = sim.close_ledger()
+        lost = book.damping + book.kinetic
+        works = book.support_work, book.cohesive_work, book.material_dissipated, book.strain, lost
+        return way(sim), sim.state.crack_length, *works, book.imbalance
+
+    def torn(sim):
+        return sim.state.step % 50 == 0 and way(sim) >= end
+
+    names = "way", "crack", "pull", "cables", "plastic", "elastic", "lost", "imbalance"
+    table = dict(zip(names, recorded(sim, torn, read, every=50), strict=True))
     steady = table["way"] > start
     imbalance = np.abs(table.pop("imbalance")[steady]).max() / table["pull"][-1]
     slopes = {

@@ -1,14 +1,13 @@
 """Y03 The exact critical step: stable just below, unstable just above, and the driver's own bound.
 
-Seven films start with random velocities of 1e-2 mm/s (strains of 1e-8: growth by 1e4 is still
-linear) and run 600 steps at 0.95 and at 1.05 of the exact step 2 / omega (sqrt(1 + xi²) - xi),
-xi = beta omega / 2, undamped and damped; omega is :meth:`Statics.largest_frequency`. Read: growth
-of the largest velocity, and the driver's safe bound over the exact step.
+Seven films start with random velocities of 1e-2 mm/s and run 600 steps at 0.95 and at 1.05 of the
+exact step 2 / omega (sqrt(1 + xi²) - xi), xi = beta omega / 2, undamped and damped; omega is
+:meth:`Statics.largest_frequency`. Read: growth of the largest velocity, and the driver's safe bound
+over the exact step.
 
 Bands are bounds: growth below 10 and above 1e4; the safe bound between 0.8 and 1 of the exact step
-on the first five meshes. Where quads differ, on the disc of the opening test and on a mesh
-distorted on purpose (scaled Jacobians down to 0.6), it lies lower (0.71 to 0.79) and is printed for
-information: a bound by the worst quad alone does not know what its better neighbours take over.
+on the first five meshes. Where quads differ it lies lower (0.71 to 0.79), for information: a bound
+by the worst quad alone does not know what its better neighbours take over.
 """
 
 import numpy as np
