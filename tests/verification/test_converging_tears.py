@@ -130,8 +130,8 @@ def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0, tolerance=1e
     )
     notch_both(sim, breadth, notch)
     # Round a quarter of a circle, then straight up.
-    node, sheet, radius = sim.state.node, sim.shell.reference, 0.8
-    middle = sheet.x[sheet.quads].mean(axis=1)
+    node, flat, radius = sim.state.node, sim.shell.reference, 0.8
+    middle = flat.x[flat.quads].mean(axis=1)
     flap = (np.abs(middle[:, 1]) < 0.5 * breadth) & (middle[:, 0] < notch)
     ids = np.unique(sim.state.quads[flap])
     s = np.maximum(notch - node.X[ids, 0], 0.0)
