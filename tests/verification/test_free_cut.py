@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from courses import course, largest_share, over_periods
+from courses import course, growth, largest_share
 from curved_films import moved
 from films import cut_by
 from page_tables import in_range, row
@@ -62,7 +62,7 @@ def check(case, size=SIZE):
     way, tool, cables, imbalance = course(sim, case.duration, *names, every=20)
     first = way[-1] - size * int((way[-1] - 8.8) / size)
     unit = sim.law.fracture_energy * sim.material.thickness
-    by_tool, by_cables = (work / unit for work in over_periods(way, (tool, cables), first, size))
+    by_tool, by_cables = (growth(way, work, first, way[-1]) / unit for work in (tool, cables))
     assert by_tool == pytest.approx(1.0, abs=0.025)
     assert by_cables == pytest.approx(1.0, abs=0.015)
     assert largest_share(imbalance, tool, 0.1 * tool[-1]) < 1e-3
