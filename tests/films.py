@@ -41,19 +41,23 @@ def pieces(quads):
     return connected_components(table @ table.T)[1]
 
 
-def cut_by(tool, mesh, speed, *, ramp=0.0, **options):
-    """Return a run of a tool that goes along x through a film whose long sides are held.
-
-    The film, the law and cracks through the quads are the defaults; ``options`` replaces them.
-    """
-    material = options.pop("material", ShellMaterial.homogeneous())
+def free_film(mesh, **options):
+    """Return a run of a film: the default film and law, and cracks through the quads."""
     usual = {
-        "supports": [Support.clamped("bottom"), Support.clamped("top")],
-        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+        "material": ShellMaterial.homogeneous(),
         "law": CohesiveLaw(),
         "fracture": Fracture(path="free"),
     }
-    return Simulation(mesh, material, tool=tool, **usual | options)
+    return Simulation(mesh, **usual | options)
+
+
+def cut_by(tool, mesh, speed, *, ramp=0.0, **options):
+    """Return a run of a tool that goes along x through a film whose long sides are held."""
+    usual = {
+        "supports": [Support.clamped("bottom"), Support.clamped("top")],
+        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+    }
+    return free_film(mesh, tool=tool, **usual | options)
 
 
 def unstructured_disc(radius=10.2, spacing=0.93, seed=0):

@@ -17,6 +17,7 @@ import pytest
 import shellcut as sc
 from courses import course, growth, moved_by, worst
 from curved_films import Roll, moved, revolved, strip_with_hole
+from films import free_film
 from page_tables import row
 from shellcut.mesh.structured import cylinder, rectangle
 from shellcut.tool_shapes import straight_blade
@@ -27,14 +28,12 @@ LAW = sc.CohesiveLaw()
 
 
 def simulation(mesh, blade, motion, clamped):
-    return sc.Simulation(
+    return free_film(
         mesh,
-        sc.ShellMaterial.homogeneous(),
         supports=[sc.Support.clamped(name) for name in clamped],
         tool=blade,
         motion=motion,
         law=LAW,
-        fracture=sc.Fracture(path="free"),
     )
 
 
@@ -253,9 +252,8 @@ def torn(radius):
         ends[name] = np.flatnonzero(np.abs(strip.nodes[:, 0] - x) < 1e-9)
     strip = sc.Mesh.from_arrays(strip.nodes, strip.quads, node_sets=ends)
     pull = {"x": lambda time: 400.0 * min(1.0, time / 2e-4)}
-    sim = sc.Simulation(
+    sim = free_film(
         roll.mesh(strip),
-        sc.ShellMaterial.homogeneous(),
         supports=[
             sc.Support("left", translation="xyz", rotation="xyz"),
             sc.Support("right", translation="xyz", rotation="xyz", velocity=pull),
@@ -263,7 +261,6 @@ def torn(radius):
         law=sc.CohesiveLaw(
             strength=18.0, plateau=12.0, opening_a=0.02, opening_p=0.05, opening_u=0.1
         ),
-        fracture=sc.Fracture(path="free"),
         damping_alpha=2000.0,
     )
     (start, end), _ = roll.onto([8.0, 9.5], [-4.0, -2.5])

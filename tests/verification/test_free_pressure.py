@@ -6,6 +6,7 @@ import pytest
 import shellcut as sc
 from courses import course, largest_share
 from curved_films import moved
+from films import free_film
 from naive import trial_cut
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cut_film import CutFilm
@@ -22,12 +23,10 @@ def slit_cylinder(notch, rise, **options):
     """A cylinder whose ends slide in their planes, with a slit along it through its quads."""
     mesh = cylinder(RADIUS, 14.0, n_around=N_AROUND, n_along=14)
     ends = [sc.Support(name, translation="y", rotation="") for name in ("bottom", "top")]
-    sim = sc.Simulation(
+    sim = free_film(
         mesh,
-        sc.ShellMaterial.homogeneous(),
         supports=ends,
         law=sc.CohesiveLaw(**SHORT_LAW),
-        fracture=sc.Fracture(path="free"),
         **options,
     )
     # Between two columns of nodes, at ``rise`` of the side.

@@ -14,6 +14,7 @@ import pytest
 import scipy
 
 import shellcut as sc
+from films import free_film
 from page_tables import shown_as, table
 from shellcut.fracture.quad_polygon import CORNERS, on_side
 from shellcut.fracture.tip import Segment
@@ -39,12 +40,10 @@ class Sheet:
     def __init__(self, size, rise):
         mesh = rectangle(2.0 * HALF_WIDTH, 2.0 * HALF_LENGTH, size=size)
         pull = np.array([0.0, THICKNESS, 0.0])
-        self.sim = sc.Simulation(
+        self.sim = free_film(
             mesh,
-            FILM,
+            material=FILM,
             loads=[sc.EdgeTraction("top", pull), sc.EdgeTraction("bottom", -pull)],
-            law=sc.CohesiveLaw(),
-            fracture=sc.Fracture(path="free"),
         )
         centres = mesh.nodes[mesh.quads].mean(axis=1)
         x, y = (centres - mesh.nodes.mean(axis=0))[:, :2].T

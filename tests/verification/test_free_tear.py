@@ -10,6 +10,7 @@ import pytest
 
 import shellcut as sc
 from curved_films import moved
+from films import free_film
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
 
@@ -73,12 +74,10 @@ def passing(size, amount, half=4.0, apart=1.5):
     """A square pulled across two notches, from its left below y = 0 and from its right above."""
     mesh = moved(rectangle(2.0 * half, 2.0 * half, size=size), "random", amount, size, seed=1)
     pull = {"y": lambda time: 600.0 * min(1.0, time / RISE)}
-    sim = sc.Simulation(
+    sim = free_film(
         sc.Mesh.from_arrays(mesh.nodes - [half, 0, 0], mesh.quads, node_sets=mesh.node_sets),
-        sc.ShellMaterial.homogeneous(),
         supports=[sc.Support.clamped("bottom"), sc.Support("top", velocity=pull)],
         law=LAW,
-        fracture=sc.Fracture(path="free"),
         damping_alpha=2000.0,
     )
     for side in (-1.0, 1.0):

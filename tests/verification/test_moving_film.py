@@ -12,6 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import shellcut as sc
+from films import free_film
 from shellcut import Mesh
 from shellcut.meshing import rectangle
 from shellcut.models import Case
@@ -84,14 +85,12 @@ def cut(folder, film, tool, until, round_it=False):
         places = np.column_stack([RADIUS - y, x, z])
         blade = sc.Tool.from_triangles(places, blade.triangles, edges=blade.edges)
         notch = bent(notch)
-    sim = sc.Simulation(
+    sim = free_film(
         mesh,
-        sc.ShellMaterial.homogeneous(),
         supports=film.supports(mesh, held),
         tool=blade,
         motion=tool,
         law=sc.CohesiveLaw(**LAW),
-        fracture=sc.Fracture(path="free"),
         velocity=film.start(mesh),
         damping_alpha=0.0,
         damping_beta=5e-8,

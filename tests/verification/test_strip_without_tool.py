@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from films import shaken, three_quads_a_triangle
+from films import free_film, shaken, three_quads_a_triangle
 from shellcut.mesh.structured import rectangle
 from shellcut.state import BROKEN
 
@@ -32,12 +32,10 @@ def _moving(mesh, criterion, rim, gradient, centre):
         )
         for node in rim.tolist()
     ]
-    return sc.Simulation(
+    return free_film(
         mesh,
-        sc.ShellMaterial.homogeneous(),
         supports=supports,
         velocity=velocity,
-        law=sc.CohesiveLaw(),
         fracture=sc.Fracture(path="edges", criterion=criterion, check_every=1),
     )
 
