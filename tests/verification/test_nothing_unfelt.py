@@ -29,15 +29,13 @@ def free_strip():
     )
 
 
+FREE = Fracture(path="free")
 SHORT = {
     "opening quick": (lambda: sc.opening_test("quick"), 45_000),
     "opening M1": (lambda: sc.opening_test("M1"), 57_000),
     "opening M2": (lambda: sc.opening_test("M2"), 40_000),
     "guillotine": (lambda: sc.guillotine(0.4, length=12.0), 8_000),
-    "guillotine through quads": (
-        lambda: sc.guillotine(0.4, length=12.0, fracture=Fracture(path="free")),
-        8_000,
-    ),
+    "through quads": (lambda: sc.guillotine(0.4, length=12.0, fracture=FREE), 8_000),
     "oscillating": (lambda: sc.oscillating(0.8), 8_000),
     "free cut": (free_strip, 5_000),
 }

@@ -48,10 +48,14 @@ def pulled(sheet):
     mesh = shaken(mesh, 1.0, size=sheet.moved * sheet.size)
     X = mesh.nodes
     ends = [int(np.argmin(np.hypot(X[:, 0], X[:, 1] - y))) for y in (sheet.a, sheet.b)]
-    supports = []
-    for end, way in zip(ends, (1.0, -1.0), strict=True):
-        rate = {"z": lambda time, v=way * sheet.speed: v * min(1.0, time / RISE)}
-        supports.append(sc.Support([end], rotation="", velocity=rate))
+
+    def rate(speed):
+        return {"z": lambda time: speed * min(1.0, time / RISE)}
+
+    rates = rate(sheet.speed), rate(-sheet.speed)
+    supports = [
+        sc.Support([end], rotation="", velocity=v) for end, v in zip(ends, rates, strict=True)
+    ]
     sim = sc.Simulation(
         mesh,
         sc.ShellMaterial.homogeneous(thickness=sheet.thickness),

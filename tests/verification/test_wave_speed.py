@@ -12,6 +12,7 @@ Error in c: dispersion of the mesh, of second order in its size.
 import numpy as np
 import pytest
 
+from courses import UNDAMPED
 from shellcut import ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import rectangle
 
@@ -43,8 +44,7 @@ def _measure(kind, size):
         ShellMaterial.homogeneous(young=E, poisson=NU, density=RHO),
         supports=[Support(np.arange(mesh.n_node), translation=HELD[kind])],
         velocity=velocity,
-        damping_alpha=0.0,
-        damping_beta=0.0,
+        **UNDAMPED,
     )
     sim.run(until=0.5 * LENGTH / SPEED[kind])
     time = sim.state.time + 0.5 * sim.dt  # velocities live at half steps
