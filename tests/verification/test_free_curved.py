@@ -89,24 +89,6 @@ def off_path(sim, roll):
     return np.abs(v).max(), u
 
 
-def test_a_cut_runs_out_through_the_rim():
-    strip = moved(rectangle(8.0, WIDTH, size=SIZE), "random", 0.2, SIZE)
-    sim, roll, per = guillotine(strip, 30.0)
-    _, tool, cables, imbalance = courses(sim, 11.5, per)
-    # The film is in two parts: no tip, no cable, and all of the new crack has taken its G h.
-    assert sim.cracks.tips == []
-    assert sim.cables.n_broken == sim.state.n_cable
-    notch = max(cut.reference[0] for cut in sim.state.split_log if cut.kind == "notch")
-    assert sim.state.crack_length == pytest.approx(8.0 - NOTCH, abs=SIZE)
-    assert notch < 8.0
-    unit = LAW.fracture_energy * sim.material.thickness * sim.state.crack_length
-    # Discretisation in time, measured 0.1 per cent.
-    assert cables[-1] == pytest.approx(unit, rel=0.005)
-    assert tool[-1] == pytest.approx(unit, rel=0.06)  # and damping, of some short millimetres
-    assert worst(tool, imbalance) < 1e-3
-    assert off_path(sim, roll)[0] < 0.1 * SIZE
-
-
 def test_a_cut_crosses_a_hole():
     strip = strip_with_hole(14.4, WIDTH, SIZE, (6.0, 8.8, 1.0))
     sim, roll, per = guillotine(strip, 30.0)
