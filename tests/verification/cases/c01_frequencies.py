@@ -1,5 +1,8 @@
 """Frequencies of flat plates and membranes: circular C01 and C03, square C04, C05, C06, C09.
 
+Plates: nu = 0.3, side or radius a = 1000 h. Read: omega a² sqrt(rho h / D), of squares the first
+six.
+
 Band: the kind of error is that of the mesh. A mode of wave number k on quads of side s has, by the
 one-dimensional analysis of a linear shear beam without locking on lumped mass, an error of
 (k s)² / 24 in its frequency; three times as much is allowed, and 2e-4 for the digits of the tables
@@ -167,8 +170,7 @@ HARD = [Support(side, rotation=axes) for side, axes in TURNS.items()]
     axes=("side of a quad over that of the plate, s / a", ERROR),
 )
 def c04():
-    """Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six. Hard simple
-    support: no tilt along the edge, as in the double sine.
+    """Hard simple support: no tilt along the edge, as in the double sine.
 
     Source: exact, pi² (m² + n²); the same numbers by Ritz with Legendre polynomials.
     """
@@ -182,22 +184,14 @@ def c04():
 
 @case("C05", "Square plate CCCC, frequencies")
 def c05():
-    """Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
-
-    Source: Ritz with Legendre polynomials 10 x 10, exact to about 0.02 % (Leissa 1973: 35.992, an
-    upper bound).
-    """
+    """Source: Ritz, 10 x 10 Legendre polynomials, to about 0.02 % (Leissa 1973: at most 35.992)."""
     ritz = [35.9852, 73.3939, 73.3939, 108.2165, 131.5808, 132.2049]
     return square_checks(ritz, [Support.clamped(side) for side in TURNS])
 
 
 @case("C06", "Square plate CFFF, frequencies")
 def c06():
-    """Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
-
-    Source: Ritz with Legendre polynomials 10 x 10, exact to about 0.02 %; Barton 1951 (code_aster
-    SDLS01) has upper bounds 0.2 to 0.6 % higher.
-    """
+    """Source: Ritz, as C05; Barton 1951 (code_aster SDLS01) has bounds 0.2 to 0.6 % higher."""
     ritz = [3.4713, 8.5077, 21.2875, 27.1992, 30.9602, 54.1935]
     return square_checks(ritz, [Support.clamped("left")])
 
