@@ -23,12 +23,7 @@ def slit_cylinder(notch, rise, **options):
     """A cylinder whose ends slide in their planes, with a slit along it through its quads."""
     mesh = cylinder(RADIUS, 14.0, n_around=N_AROUND, n_along=14)
     ends = [sc.Support(name, translation="y", rotation="") for name in ("bottom", "top")]
-    sim = free_film(
-        mesh,
-        supports=ends,
-        law=sc.CohesiveLaw(**SHORT_LAW),
-        **options,
-    )
+    sim = free_film(mesh, supports=ends, law=sc.CohesiveLaw(**SHORT_LAW), **options)
     # Between two columns of nodes, at ``rise`` of the side.
     a, b = mesh.nodes[mesh.quads[0, 0]], mesh.nodes[mesh.quads[0, 1]]
     start = a + rise * (b - a)

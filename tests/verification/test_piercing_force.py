@@ -21,15 +21,23 @@ DURATION = 6e-3
 F_P = puncture_force(ShellMaterial.homogeneous(), CohesiveLaw())
 
 
-def pierced(thickness, duration):
-    """Return the record of the first piercing of a film, 95 degrees in a duration [s]."""
-    film = ShellMaterial.homogeneous(thickness=thickness)
-    tool = tooth_ring(tip_clearance=0.02)
-    sim = opening_test("quick", material=film, tool=tool, duration=duration).simulation
+def first_split(duration, film="quick", clearance=0.02, **options):
+    """Return the axial forces of the teeth in the step before a tip pierces [N], and the record.
+
+    duration : of 95 degrees [s].
+    """
+    tool = tooth_ring(tip_clearance=clearance)
+    sim = opening_test(film, tool=tool, duration=duration, **options).simulation
     while not sim.state.split_log:
+        force = np.abs(sim.terms.wrench[:, 2])
         sim.step()
         assert sim.state.time < 0.15 * duration
-    return sim.state.split_log[0]
+    return force, sim.state.split_log[0]
+
+
+def pierced(thickness, duration):
+    """Return the record of the first piercing of a film."""
+    return first_split(duration, material=ShellMaterial.homogeneous(thickness=thickness))[1]
 
 
 def judged(record):
@@ -37,22 +45,6 @@ def judged(record):
     (line,) = [one for one in verdict({"piercing_delay_rel": record.delay}) if "tip" in str(one)]
     slower = line.text.partition("motion that is ")[2].partition(" times slower")[0]
     return line.kind, float(slower or 1.0)
-
-
-def first_split(film, path, clearance, slower):
-    """Return the axial forces of the teeth in the step before a tip pierces [N], and the record."""
-    case = opening_test(
-        film,
-        fracture=Fracture(path=path),
-        tool=tooth_ring(tip_clearance=clearance),
-        duration=slower * DURATION,
-    )
-    sim = case.simulation
-    while not sim.state.split_log:
-        force = np.abs(sim.terms.wrench[:, 2])
-        sim.step()
-        assert sim.state.time < 0.1 * slower * DURATION
-    return force, sim.state.split_log[0]
 
 
 @pytest.mark.parametrize(
@@ -69,7 +61,8 @@ def first_split(film, path, clearance, slower):
 )
 def test_a_tip_pierces_at_its_force(film, path, clearance, slower):
     film = unstructured_disc() if film == "raw" else film
-    force, record = first_split(film, path, clearance, slower)
+    fracture = Fracture(path=path)
+    force, record = first_split(slower * DURATION, film, clearance, fracture=fracture)
     assert record.kind == "puncture"
     # Forces are looked at every ten steps.
     assert 1.0 <= record.measure < 1.06
