@@ -1,9 +1,8 @@
 """What a verification case is, and how cases are found and run.
 
-A case is one file in ``cases/``: a docstring (problem, source, what it measures), ``ID``,
-``TITLE``, ``FAST`` (whether pytest runs it too) and a function ``checks()`` that computes
-:class:`Check` rows. Cases of one kind are in one file, each a function with such a docstring under
-:func:`case`. They use public functions of the library only.
+A case is a function under :func:`case` in a file of ``cases/``, which says the problem, its source
+and what it measures, and yields :class:`Check` rows. Cases of one kind are in one file. They use
+public functions of the library only.
 """
 
 import importlib
@@ -69,12 +68,13 @@ class Result:
 
 @dataclass
 class Case:
-    """A case beside others in its file, with the names that a file of its own has."""
+    """A case. Its rows are computed by ``checks``, which may fill ``CURVES`` for its picture."""
 
     ID: str
     TITLE: str
     checks: Callable[[], Iterable[Check]]
     FAST: bool
+    """Whether pytest runs it too."""
     AXES: tuple[str, str] | None
     CURVES: dict[str, dict[str, list[float]]] = field(default_factory=dict)
 
@@ -84,19 +84,14 @@ def case(name, title, *, fast=True, axes=None):
     return lambda checks: Case(name, title, checks, fast, axes)
 
 
-def _cases_in(module):
-    cases = [one for one in vars(module).values() if isinstance(one, Case)]
-    return [one for one in cases if one.checks.__module__ == module.__name__] or [module]
-
-
 def load_cases(only=None, *, fast_only=False):
     """Import the cases, all or one, in the order of their ids."""
     for folder in CASES.parents[:2]:  # of the cases, and of what all tests share
         if str(folder) not in sys.path:
             sys.path.insert(0, str(folder))
     modules = [importlib.import_module(f"cases.{path.stem}") for path in CASES.glob("[a-z]*.py")]
-    cases = [one for module in modules for one in _cases_in(module) if hasattr(one, "ID")]
-    cases.sort(key=lambda one: one.ID)
+    found = [one for module in modules for one in vars(module).values() if isinstance(one, Case)]
+    cases = sorted({one.ID: one for one in found}.values(), key=lambda one: one.ID)
     chosen = [c for c in cases if (only is None or only == c.ID) and (c.FAST or not fast_only)]
     if not chosen:
         raise SystemExit(f"no case {only!r}; there are {', '.join(c.ID for c in cases)}")
@@ -107,10 +102,9 @@ def run_case(one):
     """Run one case."""
     began = time.process_time()
     checks = list(one.checks())
-    curves = getattr(one, "CURVES", {})
     seconds = time.process_time() - began
-    axes = one.AXES if curves else None
-    return Result(one.ID, one.TITLE, seconds, checks, dict(curves), axes)
+    axes = one.AXES if one.CURVES else None
+    return Result(one.ID, one.TITLE, seconds, checks, dict(one.CURVES), axes)
 
 
 def as_json(results):

@@ -34,13 +34,13 @@ def main():
     head += f" {'tolerance':>10}"
     print(head, "verdict", flush=True)
     results, failed = [], []
-    for module in load_cases(options.case, fast_only=options.fast):
+    for case in load_cases(options.case, fast_only=options.fast):
         try:
-            result = run_case(module)
+            result = run_case(case)
         except Exception:  # the others are still to be told
             traceback.print_exc()
-            print(f"{module.ID:<5} did not end: FAIL", flush=True)
-            failed.append(module.ID)
+            print(f"{case.ID:<5} did not end: FAIL", flush=True)
+            failed.append(case.ID)
             continue
         results.append(result)
         for k in range(len(result.checks)):

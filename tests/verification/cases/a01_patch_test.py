@@ -14,10 +14,8 @@ Source: Ko, Lee, Bathe, C&S 182 (2017) 404-418, Fig. 5. Bands: patch tests, 1e-1
 
 import numpy as np
 
-from harness import Check, zero
+from harness import Check, case, zero
 from shellcut import EdgeTraction, Mesh, NodalMoment, ShellMaterial, Statics, Support
-
-ID, TITLE, FAST = "A01", "Patch tests and rigid motions", True
 
 YOUNG, POISSON, SHEAR_FACTOR = 2.1e6, 0.3, 5.0 / 6.0
 CORNERS = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
@@ -159,7 +157,8 @@ def free_quads():
     }
 
 
-def checks():
+@case("A01", "Patch tests and rigid motions")
+def a01():
     for thickness in (1.0, 0.1, 0.01):
         at, gate = f"t/L = {thickness / 10:g}", thickness > 0.05
         for name, state in STATES.items():

@@ -17,10 +17,8 @@ import numpy as np
 
 from cases import a01_patch_test as patch
 from cases.a01_patch_test import farthest, round_off
-from harness import Check
+from harness import Check, case
 from shellcut import Mesh, ShellMaterial, Statics, Support
-
-ID, TITLE, FAST = "A02", "MacNeal-Harder patch", True
 
 YOUNG, POISSON, THICKNESS = 1e6, 0.25, 0.001
 CORNERS = [(0.0, 0.0), (0.24, 0.0), (0.24, 0.12), (0.0, 0.12)]
@@ -36,7 +34,8 @@ def stress_rows(name, stress, exact):
         yield Check(f"{name} {part}, worst quad", exact[part], worst, 1e-10, "patch test")
 
 
-def checks():
+@case("A02", "MacNeal-Harder patch")
+def a02():
     modulus, nu = YOUNG / (1 - POISSON**2), POISSON
     stress = modulus * ((1 - nu) * STRAIN + nu * STRAIN.trace() * np.eye(2))
     loads = patch.edge_forces(THICKNESS * stress)

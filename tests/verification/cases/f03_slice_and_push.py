@@ -18,17 +18,12 @@ import numpy as np
 
 from cases.paths import curve
 from courses import over_periods, recorded
-from harness import Check, zero
+from harness import Check, case, zero
 from shellcut import CohesiveLaw, ShellMaterial, guillotine
 from shellcut.tool.shapes import straight_blade
 
-ID, TITLE, FAST = "F03", "Slice and push", False
-
 RATIOS = (0.0, 0.5, 1.0, 2.0)
 FRICTION = 0.3
-
-CURVES = {}
-AXES = "ξ, speed along the edge over that along the strip", "force over G h"
 
 
 def forces(*, size, slice_ratio, width=8.0, strength=18.0, thickness=0.074, blade=None, **joint):
@@ -67,7 +62,13 @@ def forces(*, size, slice_ratio, width=8.0, strength=18.0, thickness=0.074, blad
 IN_PLANE = {"size": 0.4, "width": 4.8, "strength": 1.8, "thickness": 1.0, "blade": 0.002}
 
 
-def checks():
+@case(
+    "F03",
+    "Slice and push",
+    fast=False,
+    axes=("ξ, speed along the edge over that along the strip", "force over G h"),
+)
+def f03():
     for joint in ("adhesion", "free"):
         for xi in RATIOS:
             push, along, _, worst = forces(size=0.8, slice_ratio=xi, joint=joint)
@@ -94,5 +95,5 @@ def checks():
                 rubbed = rho * exact * (xi - rho)
                 yield Check(f"{name}: friction / G h", rubbed, float(friction), 0.03, "mesh")
         pushes, slides, _ = zip(*found, strict=True)
-        CURVES[f"V, {joint}"] = curve(ratios, pushes, ratios, exacts)
-        CURVES[f"H, {joint}"] = curve(ratios, slides, ratios, rhos * exacts)
+        f03.CURVES[f"V, {joint}"] = curve(ratios, pushes, ratios, exacts)
+        f03.CURVES[f"H, {joint}"] = curve(ratios, slides, ratios, rhos * exacts)

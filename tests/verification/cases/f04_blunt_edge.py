@@ -17,17 +17,18 @@ import numpy as np
 
 from blunt_edge import FRICTION, THICKNESS, cut, on_the_blade
 from cases.paths import curve
-from harness import Check, zero
-
-ID, TITLE, FAST = "F04", "Blunt edge", False
+from harness import Check, case, zero
 
 RADII = (0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)  # mm
 
-CURVES = {}
-AXES = "radius of the edge over the thickness, r / h", "F / G h"
 
-
-def checks():
+@case(
+    "F04",
+    "Blunt edge",
+    fast=False,
+    axes=("radius of the edge over the thickness, r / h", "F / G h"),
+)
+def f04():
     free = np.array([cut(radius, joint="adhesion") for radius in RADII])
     for radius, (force, _, _, damped, _) in zip(RADII, free, strict=True):
         name = f"no friction, r = {radius:g} mm"
@@ -51,5 +52,5 @@ def checks():
     worst = max(free[:, 4].max(), rubbed[:, 4].max())
     yield zero("largest imbalance / work", worst, 5e-3, "time step")
     ratio = np.array(RADII) / THICKNESS
-    CURVES["μ = 0.3"] = curve(ratio, rubbed[:, 0], ratio, 1.0 + np.array(exact))
-    CURVES["no friction"] = curve(ratio, free[:, 0], ratio, np.ones(len(RADII)))
+    f04.CURVES["μ = 0.3"] = curve(ratio, rubbed[:, 0], ratio, 1.0 + np.array(exact))
+    f04.CURVES["no friction"] = curve(ratio, free[:, 0], ratio, np.ones(len(RADII)))

@@ -18,11 +18,9 @@ tearing. For information: the measured force, which docs/verification.md discuss
 from dataclasses import dataclass
 
 from courses import steady_works
-from harness import Check, zero
+from harness import Check, case, zero
 from shellcut import CohesiveLaw, ShellMaterial, guillotine
 from shellcut.tool.shapes import straight_blade
-
-ID, TITLE, FAST = "F05", "Cut and torn films", False
 
 SIZE = 0.05  # mm
 LENGTH = 5.0  # mm
@@ -79,7 +77,8 @@ def cut(film):
     )
 
 
-def checks():
+@case("F05", "Cut and torn films", fast=False)
+def f05():
     for film in FILMS:
         (ours,), worst, _ = steady_works(cut(film), SIZE, 2.0, "tool_work")
         exact, scatter = film.torn * film.thickness, film.scatter / film.torn

@@ -21,13 +21,10 @@ import numpy as np
 from blunt_edge import cut
 from cases.paths import curve
 from courses import course, steady_works
-from harness import Check, zero
+from harness import Check, case, zero
 from shellcut import CohesiveLaw, ShellMaterial, guillotine, opening_test
 from shellcut.models.opening import steady_work_per_radian
 from shellcut.tool.shapes import straight_blade, tooth_ring
-
-ID, TITLE, FAST = "F06", "Sharp edge", False
-AXES = "radius r of the edge, mm", "work of the cables over h, N/mm"
 
 EDGE = {"cutting_energy": 1.0, "severing_pressure": 450.0}
 LAW = CohesiveLaw(**EDGE)
@@ -35,8 +32,6 @@ SIZES = (0.8, 0.4, 0.2)  # mm
 RADII = (0.005, 0.01, 0.02, 0.04)  # mm
 ROW = (1e-3, 5e-3, 0.01, 0.02, 0.03, 0.04, 0.047, 0.0475, 0.06)  # mm
 TORN, RAZOR = 10.0, 1.0  # N/mm
-
-CURVES = {}
 
 
 def opening(radius, law):
@@ -86,7 +81,13 @@ def ldpe():
     return [work / thickness for work in works]
 
 
-def checks():
+@case(
+    "F06",
+    "Sharp edge",
+    fast=False,
+    axes=("radius r of the edge, mm", "work of the cables over h, N/mm"),
+)
+def f06():
     worst = 0.0
     for size in SIZES:
         for radius in RADII:
@@ -117,4 +118,4 @@ def checks():
     cables, tool = ldpe()
     yield Check("LDPE cut: cables / h, N/mm", RAZOR, cables, 0.02, "periods")
     yield Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
-    CURVES["work of the cables"] = curve(ROW, ours, ROW, exact)
+    f06.CURVES["work of the cables"] = curve(ROW, ours, ROW, exact)

@@ -23,11 +23,9 @@ from functools import partial
 import numpy as np
 
 from courses import recorded
-from harness import Check, zero
+from harness import Check, case, zero
 from shellcut import Elastic, Fracture, Layer, Linear, Plastic, ShellMaterial, Simulation, Support
 from shellcut.models.trouser import TEAR_LAW, trouser_strip
-
-ID, TITLE, FAST = "P08", "Trouser with legs that yield", False
 
 LENGTH, WIDTH, NOTCH, THICKNESS, SIZE = 30.0, 6.0, 6.0, 0.2, 0.5
 YIELD, HARDENING = 20.0, 100.0
@@ -98,7 +96,8 @@ def works(sim, end=END, start=START):
     return found | {"imbalance": float(imbalance)}
 
 
-def checks():
+@case("P08", "Trouser with legs that yield", fast=False)
+def p08():
     for name, (young, speed) in FILMS.items():
         work = works(strip(young, speed))
         excess = work["pull"] - TEARING

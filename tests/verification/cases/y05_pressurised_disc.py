@@ -17,11 +17,9 @@ import numpy as np
 
 from cases.paths import curve
 from courses import UNDAMPED, recorded
-from harness import Check, zero
+from harness import Check, case, zero
 from shellcut import Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc
-
-ID, TITLE, FAST = "Y05", "Pressurised disc against three programs", True
 
 PRESSURE, DENSITY, THICKNESS = 0.05, 1e-9, 0.074
 PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
@@ -30,9 +28,6 @@ PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
     ("Kratos MITC4", (16, 5), 2.0865, 80.4e-6, False),
     ("OpenSees ASDShellQ4", (16, 5), 2.0851, 80.4e-6, False),
 ]
-
-CURVES = {}
-AXES = "time, s", "height of the middle, mm"
 
 
 def swing(n_side, n_layer):
@@ -58,7 +53,10 @@ def peak(time, height):
     return float(time[k] - 0.5 * c1 / c2), float(c0 - 0.25 * c1 * c1 / c2)
 
 
-def checks():
+@case(
+    "Y05", "Pressurised disc against three programs", axes=("time, s", "height of the middle, mm")
+)
+def y05():
     runs = {mesh: swing(*mesh) for mesh in {mesh for _, mesh, *_ in PEERS}}
     for name, mesh, height, when, gate in PEERS:
         time, ours = peak(*runs[mesh][:2])
@@ -72,4 +70,4 @@ def checks():
     off = float(np.abs(z[early] / flight[early] - 1.0).max())
     yield zero("free flight to 20 us", off, 1e-5, "mesh")
     peaks = [(when, height) for _, _, height, when, gate in PEERS if gate]
-    CURVES["middle"] = curve(time, z, *zip(*peaks, strict=True))
+    y05.CURVES["middle"] = curve(time, z, *zip(*peaks, strict=True))
