@@ -51,7 +51,6 @@ def judged(record):
     ("film", "path", "clearance", "slower"),
     [
         ("quick", "free", 0.0, 1.0),
-        ("quick", "free", 0.02, 1.0),
         ("quick", "free", 0.04, 1.0),
         ("quick", "edges", 0.02, 1.0),
         ("quick", "free", 0.02, 0.5),
