@@ -4,6 +4,7 @@ import numpy as np
 
 import shellcut as sc
 from films import from_zero, shaken
+from gmsh_films import gmsh_with
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.structured import rectangle
 
@@ -98,29 +99,15 @@ def revolved(path, kind, size, *, tilt_deg=0.0):
     Written to a file and read by the library. The axis is z, leaning by ``tilt_deg`` about x; the
     sectors lie around -x. The set "rim" is the whole boundary.
     """
-    import gmsh
-
-    gmsh.initialize(interruptible=False)
-    try:
-        options = {
-            "General.Terminal": 0,
-            "Mesh.Algorithm": 6,
-            "Mesh.RecombineAll": 1,
-            "Mesh.RecombinationAlgorithm": 1,
-            "Mesh.SubdivisionAlgorithm": 1,  # all quads: each is cut in four
-            "Mesh.MeshSizeMin": 2.0 * size,
-            "Mesh.MeshSizeMax": 2.0 * size,
-        }
-        for name, value in options.items():
-            gmsh.option.setNumber(name, value)
+    # all quads: each is cut in four
+    quads = {"RecombineAll": 1, "RecombinationAlgorithm": 1, "SubdivisionAlgorithm": 1}
+    with gmsh_with(Algorithm=6, MeshSizeMin=2 * size, MeshSizeMax=2 * size, **quads) as gmsh:
         surfaces = _cap(gmsh, 12.0, 8.0) if kind == "cap" else _sector(gmsh, kind)
         rim = gmsh.model.getBoundary([(2, s) for s in surfaces], oriented=False)
         gmsh.model.addPhysicalGroup(2, surfaces, name="film")
         gmsh.model.addPhysicalGroup(1, [c for d, c in rim if d == 1], name="rim")
         gmsh.model.mesh.generate(2)
         gmsh.write(str(path))
-    finally:
-        gmsh.finalize()
     mesh = read_film(path, unit="mm")
     c, s = np.cos(np.radians(tilt_deg)), np.sin(np.radians(tilt_deg))
     turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])

@@ -1,7 +1,5 @@
 """Quad meshes that know nothing of the blade's path, made without a mesher."""
 
-from pathlib import Path
-
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
@@ -15,13 +13,10 @@ from shellcut import (
     Simulation,
     StraightMotion,
     Support,
-    Tool,
 )
 
 
-def shaken(
-    mesh: Mesh, most: float, seed: int = 1, size: float = 1.0, held: np.ndarray | None = None
-) -> Mesh:
+def shaken(mesh, most, seed=1, size=1.0, held=None):
     """Return a mesh whose nodes, but those of its rim and some others, are moved at random.
 
     By up to ``most`` times ``size`` [mm] along x and y.
@@ -33,35 +28,39 @@ def shaken(
     return Mesh.from_arrays(X, mesh.quads, node_sets=dict(mesh.node_sets))
 
 
-def from_zero(mesh: Mesh, *corner: float) -> Mesh:
+def from_zero(mesh, *corner):
     """Return a mesh moved to begin at x = 0, or with its lowest coordinates at a corner."""
     start = mesh.nodes.min(axis=0)
     shift = np.append(start[: len(corner)] - corner, 0.0) if corner else [start[0], 0.0, 0.0]
     return Mesh.from_arrays(mesh.nodes - shift, mesh.quads, node_sets=dict(mesh.node_sets))
 
 
-def pieces(quads: np.ndarray) -> np.ndarray:
+def pieces(quads):
     """Return the piece to which each quad belongs: quads with a common node hang together."""
     table = csr_array((np.ones(quads.size), (np.arange(len(quads)).repeat(4), quads.ravel())))
     return connected_components(table @ table.T)[1]
 
 
-def cut_by(tool: Tool, mesh: Mesh, speed: float, *, ramp: float = 0.0, **options) -> Simulation:
-    """Return a run of a tool that goes along x through a film whose long sides are held.
-
-    The film, the law and cracks through the quads are the defaults; ``options`` replaces them.
-    """
-    material = options.pop("material", ShellMaterial.homogeneous())
+def free_film(mesh, **options):
+    """Return a run of a film: the default film and law, and cracks through the quads."""
     usual = {
-        "supports": [Support.clamped("bottom"), Support.clamped("top")],
-        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+        "material": ShellMaterial.homogeneous(),
         "law": CohesiveLaw(),
         "fracture": Fracture(path="free"),
     }
-    return Simulation(mesh, material, tool=tool, **usual | options)
+    return Simulation(mesh, **usual | options)
 
 
-def unstructured_disc(radius: float = 10.2, spacing: float = 0.93, seed: int = 0) -> Mesh:
+def cut_by(tool, mesh, speed, *, ramp=0.0, **options):
+    """Return a run of a tool that goes along x through a film whose long sides are held."""
+    usual = {
+        "supports": [Support.clamped("bottom"), Support.clamped("top")],
+        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+    }
+    return free_film(mesh, tool=tool, **usual | options)
+
+
+def unstructured_disc(radius=10.2, spacing=0.93, seed=0):
     """Return a disc of some 2,600 quads: jittered triangles, each cut into three quads."""
     n_rim = round(2.0 * np.pi * radius / spacing)
     angle = 2.0 * np.pi * np.arange(n_rim) / n_rim
@@ -80,7 +79,7 @@ def unstructured_disc(radius: float = 10.2, spacing: float = 0.93, seed: int = 0
     return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
 
 
-def write_gmsh(path: Path, film: Mesh, *, rim: str, quads: str) -> None:
+def write_gmsh(path, film, *, rim, quads):
     """Write Gmsh's format 2.2, rim and quads as physical groups of these names."""
     on_rim = set(film.node_set("rim").tolist())
     sides = [

@@ -1,15 +1,11 @@
 """Quads of the unit square mapped onto surfaces, and films made of them."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from shellcut import Mesh, NodalForce, ShellMaterial, Statics, Support
 
-Place = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
-
-def mapped_patch(n_u: int, n_v: int, place: Place, *, exact: bool = True) -> Mesh:
+def mapped_patch(n_u, n_v, place, *, exact=True):
     """Return n_u x n_v quads of the unit square mapped onto a surface.
 
     ``place(u, v)`` returns positions and unit directors, shape (..., 3). Node sets ``u0``, ``u1``,
@@ -29,27 +25,43 @@ def mapped_patch(n_u: int, n_v: int, place: Place, *, exact: bool = True) -> Mes
     )
 
 
-def cylinder_place(radius: float, length: float, arc_deg: float) -> Place:
-    """Return the map to a cylinder about y; u runs over the arc from the top, v along y."""
+def cylinder_patch(radius, length, arc_deg, n_arc, n_along, *, exact=True):
+    """Return a patch of a cylinder about y; u runs over the arc from the top, v along y."""
 
-    def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def place(u, v):
         angle = np.radians(arc_deg) * u
         director = np.stack([np.sin(angle), 0.0 * v, np.cos(angle)], axis=-1)
         nodes = radius * director
         nodes[..., 1] = length * v
         return nodes, director
 
-    return place
+    return mapped_patch(n_arc, n_along, place, exact=exact)
 
 
-def cylinder_patch(
-    radius: float, length: float, arc_deg: float, n_arc: int, n_along: int, *, exact: bool = True
-) -> Mesh:
-    """Return a patch of :func:`cylinder_place`."""
-    return mapped_patch(n_arc, n_along, cylinder_place(radius, length, arc_deg), exact=exact)
+DIAPHRAGM = Support("v1", translation="xz", rotation="y")
+"""Of a cylinder's end: it supports the displacements in its plane."""
 
 
-def sphere(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def pinched_cylinder(radius, length, n, material, force, *, exact=True):
+    """Return an eighth of a cylinder with end diaphragms, under a force, and the node of that."""
+    mesh = cylinder_patch(radius, length, 90.0, n, n, exact=exact)
+    load = int(mesh.node_set("u0")[0])
+    planes = (("u0", "x"), ("u1", "z"), ("v0", "y"))
+    model = Statics(
+        mesh,
+        material,
+        supports=[*(Support.symmetry(*plane) for plane in planes), DIAPHRAGM],
+        loads=[NodalForce([load], (0.0, 0.0, -force))],
+    )
+    return model, load
+
+
+def spacing(mesh):
+    """Return the mean side of the quads [mm]."""
+    return float(np.sqrt(mesh.quad_areas().mean()))
+
+
+def sphere(u, v):
     """Map u to the azimuth from x to y, v to the height from the equator to a hole of 18°."""
     azimuth, height = 0.5 * np.pi * u, np.radians(72.0) * v
     out = [np.cos(height) * np.cos(azimuth), np.cos(height) * np.sin(azimuth), np.sin(height)]
@@ -57,9 +69,7 @@ def sphere(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 10.0 * director, director
 
 
-def pinched_hemisphere(
-    mesh: Mesh, thickness: float, force: float, **options: float
-) -> tuple[Statics, int, int]:
+def pinched_hemisphere(mesh, thickness, force, **options):
     """Return a quarter of a hemisphere under two forces, and the nodes on x and y they act on."""
     on_x, on_y = (int(mesh.node_set(side)[0]) for side in ("u0", "u1"))
     model = Statics(
@@ -75,7 +85,7 @@ def pinched_hemisphere(
     return model, on_x, on_y
 
 
-def hinged_roof(n: int, thickness: float, *, exact: bool = True) -> tuple[Statics, int]:
+def hinged_roof(n, thickness, *, exact=True):
     """Return a quarter of a shallow roof, a force of 750 N down on its centre, and that node."""
     mesh = cylinder_patch(2540.0, 254.0, np.degrees(0.1), n, n, exact=exact)
     centre = int(mesh.node_set("u0")[0])

@@ -1,7 +1,5 @@
 """A model in other units: every length, time and stress times a factor of its own."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import NamedTuple
 

@@ -1,13 +1,9 @@
 """A row of the table: what a user does, its limits, and the check of what comes of it."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
-
-from user import User
 
 
 class Failed(Exception):
@@ -24,32 +20,21 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One row.
+    """One row."""
 
-    Attributes
-    ----------
-    minute : str
-        When a user gets there.
-    what : str
-        What is done.
-    seconds : float
-        Time limit of the row.
-    limit : str
-        Other limits, checked by the row itself.
-    needs : tuple of str
-        Properties of the user that must be there before the clock starts.
-    do : callable
-        Does it and returns what was measured; raises `Failed`.
-    """
-
+    do: Callable
+    """Does it for a user and returns what was measured; raises `Failed`."""
     minute: str
+    """When a user gets there."""
     what: str
     seconds: float
-    limit: str
-    needs: tuple[str, ...]
-    do: Callable[[User], str]
+    """Time limit."""
+    limit: str = ""
+    """Other limits, checked by the row itself."""
+    needs: tuple[str, ...] = ()
+    """Properties of the user that must be there before the clock starts."""
 
-    def outcome(self, user: User) -> Outcome:
+    def outcome(self, user):
         """Do it, against the clock."""
         start = time.perf_counter()
         try:
@@ -65,34 +50,22 @@ class Row:
         return Outcome(f"{taken:.1f} s; {measured}", "passed")
 
 
-class Rows(list[Row]):
-    """Rows in the order in which they are declared."""
-
-    def add(
-        self,
-        minute: str,
-        what: str,
-        *,
-        seconds: float,
-        limit: str = "",
-        needs: tuple[str, ...] = (),
-    ) -> Callable[[Callable[[User], str]], Callable[[User], str]]:
-        """Declare a row; see `Row`."""
-
-        def declare(do: Callable[[User], str]) -> Callable[[User], str]:
-            self.append(Row(minute, what, seconds, limit, needs, do))
-            return do
-
-        return declare
+ROWS = []
+"""In the order in which they are declared."""
 
 
-def expect(condition: object, text: str) -> None:
+def row(*about, **limits):
+    """Declare what a function does as a row; see `Row`."""
+    return lambda do: ROWS.append(Row(do, *about, **limits))
+
+
+def expect(condition, text):
     """Raise `Failed` with the text unless the condition holds."""
     if not condition:
         raise Failed(text)
 
 
-def expect_words(said: str, *words: str) -> None:
+def expect_words(said, *words):
     """Raise `Failed` unless all the words were said."""
     missing = [word for word in words if word not in said]
     expect(not missing, f"{missing} not in what was said:\n{said.strip()[-2000:]}")

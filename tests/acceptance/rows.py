@@ -4,25 +4,21 @@ What each command computes and says is tried by the default tests, and every com
 tests/unit/test_pages.py; here it is done by a user, with what the wheel brings and nothing else.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import re
 import zipfile
 
-from row import Rows, expect, expect_words
-from user import QUICK, ROOT, User
-
-ROWS = Rows()
+from row import expect, expect_words, row
+from user import QUICK, ROOT
 
 # Names of the family in a licence: those that bind who links, so not the lesser one, nor the
 # compiler's run time, whose exception frees it.
 _STRONG_GPL = re.compile(r"(?<!L)GPL(?!.{0,40}exception)|(?<!Lesser )General Public", re.I | re.S)
 
 
-@ROWS.add("0", "README: the first screen", seconds=5)
-def readme(user: User) -> str:
+@row("0", "README: the first screen", seconds=5)
+def readme(user):
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
     for path in pictures[:2]:
@@ -38,13 +34,13 @@ def readme(user: User) -> str:
     return f"{len(pictures)} pictures, a script of {len(lines)} lines"
 
 
-@ROWS.add(
+@row(
     "0-2",
     "pip install 'shellcut-fem[plot]' in a fresh environment",
     seconds=120,
     limit="wheels only: no compiler; no GPL package; own wheel pure and < 2 MB",
 )
-def install(user: User) -> str:
+def install(user):
     wheel = user.environment.wheel
     size = wheel.stat().st_size / 1e6
     expect(size < 2.0, f"the wheel must be under 2 MB, got {size:.2f}")
@@ -60,8 +56,8 @@ def install(user: User) -> str:
     return f"{user.environment.seconds:.0f} s of it pip, {len(licences)} packages, {size:.2f} MB"
 
 
-@ROWS.add("2", "import shellcut", seconds=60, limit="< 1.0 s", needs=("environment",))
-def import_time(user: User) -> str:
+@row("2", "import shellcut", seconds=60, limit="< 1.0 s", needs=("environment",))
+def import_time(user):
     text = (
         "import time; t = time.perf_counter(); import shellcut; "
         "print(time.perf_counter() - t, shellcut.__version__)"
@@ -74,14 +70,14 @@ def import_time(user: User) -> str:
     return f"{best:.2f} s (least of 5), version {said[0][1]}"
 
 
-@ROWS.add(
+@row(
     "2-6",
     "shellcut run opening --set mesh=quick -o out, nothing compiled",
     seconds=240,
     limit="exit code 0; |balance| <= 1 % of the work put in; every file there",
     needs=("environment",),
 )
-def main_job(user: User) -> str:
+def main_job(user):
     said = user.first_run.said
     expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
     # What a user sees: the model, what is compiled, progress; energies every 5 % in run.log.
@@ -114,18 +110,18 @@ def main_job(user: User) -> str:
     return f"balance {balance:.3%}, {len(rows)} rows, {len(names) + len(snapshots)} files"
 
 
-@ROWS.add(
+@row(
     "8-9",
     "Ctrl-C in a run, then shellcut resume",
     seconds=180,
     limit="exit code 130, says where it stopped; then the uninterrupted run's bits",
     needs=("out",),
 )
-def interrupt_and_resume(user: User) -> str:
+def interrupt_and_resume(user):
     again = user.folder / "again"
     half = (user.out / "history.csv").stat().st_size / 2
 
-    def halfway() -> bool:
+    def halfway():
         history = again / "history.csv"
         return history.exists() and history.stat().st_size > half
 
@@ -187,13 +183,11 @@ COMMANDS = (
 )
 
 
-def _command(
-    minute: str, text: str, code: int, words: tuple[str, ...], left: tuple[str, ...], seconds: float
-) -> None:
+def _command(minute, text, code, words, left, seconds):
     needs = ("out",) if "out" in text.split() else ("parts",) if "parts/" in text else ()
 
-    @ROWS.add(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
-    def command(user: User) -> str:
+    @row(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
+    def command(user):
         done = user.shellcut(*text.split())
         expect(done.code == code, f"exit code {done.code}:\n{done.said}")
         expect_words(done.said, *words)

@@ -11,8 +11,6 @@ against its limits. Ends with 1 if a row fails.
 What ``DIR/commands.log`` holds: every command, what it said, its exit code and its time.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tempfile
@@ -21,12 +19,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from row import Outcome
 from rows import ROWS
 from user import User
 
 
-def main() -> int:
+def main():
     """Go through the rows and print the table."""
     arguments = _arguments()
     start = time.perf_counter()
@@ -37,7 +34,7 @@ def main() -> int:
             print(f"--keep {folder} must be empty or not there yet", file=sys.stderr)
             return 2
         user = User(folder)
-        outcomes: dict[int, Outcome] = {}
+        outcomes = {}
         for number, row in enumerate(ROWS, 1):
             if arguments.only and number not in arguments.only:
                 continue
@@ -54,7 +51,7 @@ def main() -> int:
     return 1 if n_failed else 0
 
 
-def _arguments() -> argparse.Namespace:
+def _arguments():
     parser = argparse.ArgumentParser(description="The first fifteen minutes of a user, checked.")
     parser.add_argument("--keep", metavar="DIR", type=Path, help="leave everything there")
     parser.add_argument("--only", metavar="N", type=int, nargs="+", help="numbers of rows")
@@ -65,7 +62,7 @@ def _arguments() -> argparse.Namespace:
     return arguments
 
 
-def _table(outcomes: dict[int, Outcome]) -> str:
+def _table(outcomes):
     lines = ["| row | minute | what | limit | measured | verdict |", "|---|---|---|---|---|---|"]
     for number, outcome in outcomes.items():
         row = ROWS[number - 1]

@@ -1,7 +1,5 @@
 """A user with nothing but Python: a folder, a fresh virtual environment, no display."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -9,10 +7,9 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -45,7 +42,7 @@ class Environment(NamedTuple):
 class User:
     """Do what a user does, in ``folder``; what was said by each command is kept in its log."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder):
         self.folder = folder
         self.log = folder / "commands.log"
         self._bin = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
@@ -53,11 +50,11 @@ class User:
         self._environ = {k: v for k, v in os.environ.items() if k not in hidden}
         # No cache from before: the first run compiles, as a user's does.
         self._environ["NUMBA_CACHE_DIR"] = str(folder / "numba_cache")
-
-    # ------------------------------------------------------------------ what rows build on
+        self._streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE}
+        self._streams |= {"stderr": subprocess.STDOUT, "encoding": "utf-8", "errors": "replace"}
 
     @cached_property
-    def environment(self) -> Environment:
+    def environment(self):
         """A fresh virtual environment with the wheel of this clone and the extra ``plot``."""
         made = self.run(sys.executable, "-m", "venv", str(self._bin.parent))
         _done(made)
@@ -74,19 +71,19 @@ class User:
         return Environment(wheel, installed.seconds)
 
     @cached_property
-    def first_run(self) -> Finished:
+    def first_run(self):
         """The main job with nothing compiled, its results in ``out``."""
         _ = self.environment
         return self.shellcut("run", *QUICK, "-o", "out")
 
     @property
-    def out(self) -> Path:
+    def out(self):
         """Folder of the main job, done."""
         _done(self.first_run)
         return self.folder / "out"
 
     @cached_property
-    def parts(self) -> Path:
+    def parts(self):
         """The user's own parts: a cap as STL and a disc as .msh."""
         _ = self.environment
         folder = self.folder / "parts"
@@ -94,54 +91,37 @@ class User:
         self.inside("write_parts.py", str(folder))
         return folder
 
-    # ------------------------------------------------------------------ commands
-
-    def run(self, *command: str, **environ: str) -> Finished:
+    def run(self, *command, **environ):
         """Run a command in the folder to its end."""
-        start = time.perf_counter()
+        start, environ = time.perf_counter(), {**self._environ, **environ}
         done = subprocess.run(
-            command,
-            cwd=self.folder,
-            env={**self._environ, **environ},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            errors="replace",
-            timeout=_LIMIT,
-            check=False,
+            command, cwd=self.folder, env=environ, timeout=_LIMIT, check=False, **self._streams
         )
         return self._kept(command, done.returncode, done.stdout, start)
 
-    def pip(self, *arguments: str) -> Finished:
-        """Run the environment's pip."""
+    def pip(self, *arguments):
         quiet = ("-q", "--disable-pip-version-check")
         return self.run(str(self._bin / "python"), "-m", "pip", *arguments, *quiet)
 
-    def shellcut(self, *arguments: str, **environ: str) -> Finished:
-        """Run the command ``shellcut``."""
-        return self.run(str(self._bin / "shellcut"), *arguments, **environ)
+    def shellcut(self, *arguments):
+        return self.run(str(self._bin / "shellcut"), *arguments)
 
-    def python(self, text: str) -> Finished:
-        """Run a text by the environment's Python."""
+    def python(self, text):
         return self.run(str(self._bin / "python"), "-c", text)
 
-    def inside(self, script: str, *arguments: str) -> dict[str, Any]:
+    def inside(self, script, *arguments):
         """Run a script of ``inside`` by the environment's Python; return the figures it prints.
 
         The figures are the last line, in JSON. It sees the modules beside ``tests/films.py``.
         """
-        path = HERE / "inside" / script
-        done = self.run(
-            str(self._bin / "python"), str(path), *arguments, PYTHONPATH=str(HERE.parent)
-        )
+        command = str(self._bin / "python"), str(HERE / "inside" / script), *arguments
+        done = self.run(*command, PYTHONPATH=str(HERE.parent))
+        *_, last = ["", *done.said.strip().splitlines()]
         if done.code:
-            last = done.said.strip().splitlines()[-1:]
-            raise RuntimeError(f"{script}: {' '.join(last)}")
-        figures: dict[str, Any] = json.loads(done.said.strip().splitlines()[-1])
-        return figures
+            raise RuntimeError(f"{script}: {last}")
+        return json.loads(last)
 
-    def interrupted(self, *arguments: str, when: Callable[[], bool]) -> Finished:
+    def interrupted(self, *arguments, when):
         """Run the command ``shellcut`` and press Ctrl-C as soon as ``when()``."""
         start = time.perf_counter()
         command = [str(self._bin / "shellcut"), *arguments]
@@ -149,12 +129,9 @@ class User:
             command,
             cwd=self.folder,
             env=self._environ,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
             # A shell may have it ignored in its background jobs, and children inherit that.
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            **self._streams,
         ) as process:
             try:
                 while process.poll() is None and not when():
@@ -166,13 +143,13 @@ class User:
                 raise
         return self._kept(command, process.returncode, said, start)
 
-    def _kept(self, command: Any, code: int, said: str, start: float) -> Finished:
+    def _kept(self, command, code, said, start):
         seconds = time.perf_counter() - start
         with self.log.open("a", encoding="utf-8") as log:
             log.write(f"$ {' '.join(command)}\n{said}\n[{code}, {seconds:.1f} s]\n\n")
         return Finished(code, said, seconds)
 
 
-def _done(finished: Finished) -> None:
+def _done(finished):
     if finished.code:
         raise RuntimeError(f"ended with {finished.code}:\n{finished.said.strip()[-2000:]}")

@@ -53,11 +53,9 @@ def in_tool(motion, time, x):
 
 
 def nearest_edge(tool, motion, x, size, time):
-    """Return which segment of the edge a point has passed, or will meet first, -1 if none.
+    """Return which segment of the edge a point has passed or will meet first, and whether passed.
 
-    And whether it has passed it.
-
-    x : (3,), [mm].  size : local edge length there [mm].
+    -1 if none.  x : (3,), [mm].  size : local edge length there [mm].
     """
     p, _, spin, velocity = in_tool(motion, time, x)
     nearest, found, passed = np.inf, -1, False
@@ -81,11 +79,9 @@ def nearest_edge(tool, motion, x, size, time):
 
 
 def beyond(tool, motion, x, size, edge, time, reach=AHEAD[0]):
-    """Return how far off the mid-plane a point lies when an edge is beyond it, and when.
+    """Return how far off the mid-plane a point lies when an edge is ``reach`` beyond it, and when.
 
     Three steps of Newton's method, or until it is within a twentieth of an edge.
-
-    x : (3,), [mm].  size : local edge length there [mm].  reach : in these.
     """
     later, segment = time, Segment(tool, edge)
     for turn in count():

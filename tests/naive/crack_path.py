@@ -80,17 +80,10 @@ def contains(polygon, place):
     return all(height(place, a, b) > -SAME for a, b, _ in edges(polygon))
 
 
-def segment_from(
-    path,
-    state,
-    tip,
-    direction,
-    lean=None,
-    others=(),
-):
+def segment_from(path, state, tip, direction, lean=None, others=()):
     """Return the segment from a tip in a direction in space, None if no row lies there.
 
-    lean : of the plane in which it lies, see :func:`segment`.  others : tips that it may join.
+    lean : see :func:`segment`.  others : tips that it may join.
     """
     ahead = path.film.rows_ahead(tip)
     for row, entry in ahead:
@@ -105,8 +98,7 @@ def segment_from(
 def segment(path, state, row, entry, direction, lean=None):
     """Return the segment through a row from a place in it in a direction in space.
 
-    It ends where a plane through that place meets the boundary of the row's polygon:
-    sides are straight in space, chords of the parametric square are not. The plane lies along the
+    It ends where a plane through that place meets the boundary of the row's polygon: along the
     direction and the director, from which it leans by ``lean``, shape (3,). None where the
     direction leads out of the polygon, unless it grazes the side on which it begins.
     """
@@ -136,7 +128,7 @@ def segment(path, state, row, entry, direction, lean=None):
         if corner >= 0 and start >= 0 and on != FLANK and path.film.may_break(row, start, corner):
             return Segment(row, entry, CORNERS[corner], on, corner, along_side=True)
     if side == FLANK:
-        exit_ = a[0] + along * (b[0] - a[0]), a[1] + along * (b[1] - a[1])
+        exit_ = tuple(np.add(a, along * np.subtract(b, a)).tolist())
         return Segment(row, entry, exit_, FLANK, -1)
     s_a, s_b = along_side(side, a), along_side(side, b)
     s = s_a + min(max(along, CORNER), 1.0 - CORNER) * (s_b - s_a)
@@ -154,11 +146,7 @@ def segment(path, state, row, entry, direction, lean=None):
 
 
 def _ray(path, state, row, entry, places, direction, lean):
-    """Return where places in a row lie from a ray, shape (n_place,) each [mm].
-
-    Beside the plane of the ray (:func:`segment`), and along it from the entry; None if the
-    direction is none in the sheet.
-    """
+    """Return where places in a row lie beside the plane of a ray and along it, (n_place,) [mm]."""
     nodes, weights = state.quads[row], np.array(shape_functions(entry))
     t = weights @ state.node.t[nodes]
     t = t / np.linalg.norm(t)
@@ -170,10 +158,7 @@ def _ray(path, state, row, entry, places, direction, lean):
 
 
 def to_an_end(path, state, row, entry, direction, lean, ends):
-    """Return the segment through a row to the one of some ends that is nearest to the ray.
-
-    None if there is none ahead within ``JOIN``.
-    """
+    """Return the segment to that of some ends that is nearest to the ray, ahead in ``JOIN``."""
     polygon = path.film.topology.polygon(row)
     ray = _ray(path, state, row, entry, [end.place for end in ends], direction, lean)
     if ray is None:
@@ -190,20 +175,14 @@ def to_an_end(path, state, row, entry, direction, lean, ends):
 
 
 def _past_a_corner(path, row, entry, off, ahead):
-    """Return the segment that passes a corner which a ray along a side just misses.
-
-    off, ahead : (n_point,), of the polygon's points from the entry: beside the ray and along it
-    [mm].
-    """
+    """Return the segment that passes a corner which a ray along a side just misses; see _ray."""
     polygon, ring = path.film.topology.polygon(row), path.film.ring(row)
     points, n = polygon.points, len(polygon.points)
     on = [i for i in range(n) if is_on(entry, points[i], points[(i + 1) % n])]
     if len(on) != 1 or polygon.sides[on[0]] == FLANK:
         return None
-    for k, edge, along in (
-        ((on[0] + 1) % n, (on[0] + 1) % n, CORNER),
-        (on[0], on[0] - 1, 1 - CORNER),
-    ):
+    after = (on[0] + 1) % n
+    for k, edge, along in ((after, after, CORNER), (on[0], on[0] - 1, 1 - CORNER)):
         side = polygon.sides[edge]
         if corner_at(points[k]) < 0 or side == FLANK or not abs(off[k]) < GRAZE * ahead[k]:
             continue
@@ -216,10 +195,7 @@ def _past_a_corner(path, row, entry, off, ahead):
 
 
 def _first_edge(polygon, entry, off, ahead):
-    """Return which edge of a polygon a ray leaves by, and how far along it.
-
-    off, ahead : (n_point,), of its points from the entry: beside the ray and along it [mm].
-    """
+    """Return which edge of a polygon a ray leaves by, and how far along it; see :func:`_ray`."""
     best, found = np.inf, None
     n = len(polygon.points)
     for i in range(n):

@@ -11,7 +11,7 @@ import numpy as np
 from shellcut.state import BROKEN
 
 from .load import pressure_rows_of_part
-from .shell import shape
+from .shell import CORNERS, shape
 
 RIGHT, LEFT = 0, 1
 NONE = 1e-9  # of a shape function: the corner has no part in the place
@@ -83,11 +83,9 @@ def pairs(film, segment):
     if segment.along_side:
         # The row lies to the left of its own side; the other, if its film is there, to the right.
         a, b = ring[segment.side], ring[(segment.side + 1) % 4]
-        places = np.subtract([segment.entry, segment.exit], CORNER[segment.side])
+        places = np.subtract([segment.entry, segment.exit], CORNERS[segment.side])
         s = np.linalg.norm(places, axis=1) / 2.0
-        on = [
-            (r, k, up) for r, k, up in topology.rows_beside(a, b) if reaches(topology, r, k, s, up)
-        ]
+        on = [one for one in topology.rows_beside(a, b) if reaches(topology, *one[:2], s, one[2])]
         (mine,), (other,) = ([r for r, _, up in on if up == upward] for upward in (True, False))
         ahead = s[0] < s[1]
         parts = {other: None, mine: None}
@@ -113,14 +111,11 @@ def pairs(film, segment):
     return found
 
 
-CORNER = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-
-
 def reaches(topology, row, side, s, up):
     """Whether the film of a row lies along a part of one of its sides."""
     polygon = topology.polygon(row)
     on = [
-        np.linalg.norm(np.subtract(point, CORNER[side])) / 2.0
+        np.linalg.norm(np.subtract(point, CORNERS[side])) / 2.0
         for k, point in enumerate(polygon.points)
         if side in (polygon.sides[k], polygon.sides[k - 1])
     ]
@@ -144,10 +139,8 @@ def cables(film, state, segment, members):
             place = start + c.share[k] * (stop - start)
             if row == segment.row and any(side_of(segment, place) == 1 - of for of in own):
                 continue
-            parts = [
-                (1.0 - c.share[k]) * at(start)[corner[row]],
-                c.share[k] * at(stop)[corner[row]],
-            ]
+            weights = 1.0 - c.share[k], c.share[k]
+            parts = [w * at(p)[corner[row]] for w, p in zip(weights, (start, stop), strict=True)]
             if sum(parts) <= NONE:
                 continue
             closed = 0.0

@@ -84,10 +84,25 @@ def figures(model, number):
     case = case_of(moved(film(), number))
     with tempfile.TemporaryDirectory() as folder:
         summary, _ = run(case, Path(folder))
+    return figures_of(case, summary)
+
+
+def figures_of(case, summary):
+    """Return the figures of a case that has run."""
     summary["broken_ratio"] = float(abs(broken_ratio(case) - 1.0).max())
     means = [n for n in summary if "_half_width_" not in n]
     names = [n for begin in FIGURES for n in means if n.startswith(begin)]
     return {name: summary[name] for name in names}
+
+
+def check_among_runs(model, found):
+    """Check that the figures of the unmoved film are those of one of the model's runs."""
+    runs = json.loads(FIGURES_FILE.read_text())[model]
+    for name, value in found.items():
+        mean, deviation = spread([run[name] for run in runs])
+        # Five standard deviations; a figure that chance does not reach differs by what was moved.
+        bound = 5.0 * deviation + 1e-7 * abs(mean)
+        assert abs(value - mean) <= bound, (name, value, entry([run[name] for run in runs]))
 
 
 def spread(values):
@@ -123,6 +138,15 @@ def table(found):
         yield f"| {row} | {' | '.join(cells)} |"
 
 
+def as_json(found):
+    """Return the figures of all runs as text, a line a run."""
+    models = (
+        f"{json.dumps(model)}: [\n" + ",\n".join(map(json.dumps, runs)) + "\n]"
+        for model, runs in found.items()
+    )
+    return "{\n" + ",\n".join(models) + "\n}\n"
+
+
 def page(text, found):
     """Return the page with the table of these figures in place of its own."""
     before, _, rest = text.partition(f"\n{HEAD}")
@@ -144,7 +168,7 @@ def main():
             print(f"{model} {number}: {rows[-1]}", flush=True)
         kept[model] = rows
         ordered = {name: kept[name] for name in MODELS if name in kept}
-        FIGURES_FILE.write_text(json.dumps(ordered, indent=1) + "\n")
+        FIGURES_FILE.write_text(as_json(ordered))
         PAGE.write_text(page(PAGE.read_text(), ordered))
 
 

@@ -1,17 +1,12 @@
 """Random cuts through random meshes: arcs, bends, crossings, tight turns.
 
-The tests run a few; ``python tests/regression/random_cuts.py --seeds 40`` runs so many of each kind
-and prints what each came to, and the worst of all.
+The tests run a few, ``python tests/regression/random_cuts.py --seeds 40`` so many of each kind.
 """
-
-from __future__ import annotations
 
 import argparse
 import sys
-import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,17 +19,16 @@ SPEED = 6000.0
 """Of a blade [mm/s]."""
 
 
-@dataclass(frozen=True)
-class RandomCut:
-    """A simulation, until when it cuts, and how far off its path a place is."""
+class RandomCut(NamedTuple):
+    """A simulation, until when it cuts [s], and what gives distances of places from its path [mm].
 
-    simulation: sc.Simulation
+    least : work of the tool from which on its imbalance counts [N·mm].
+    """
+
+    simulation: object
     until: float
-    """[s]"""
-    off: Callable[[np.ndarray], np.ndarray]
-    """Takes places, shape (n, 3), returns distances [mm]."""
+    off: object
     least: float = 2.0
-    """Work of the tool from which on its imbalance counts [N·mm]."""
 
 
 def film(rng, size=SIZE):
@@ -61,6 +55,31 @@ def held(X, mesh, *, material=None, law=None, **arguments):
     )
 
 
+def led(path, heading, slow=0.25):
+    """Return the motion of a blade along a path, shape (n, 2), its end [s] and the way ahead.
+
+    It begins 1.2 mm before the path. heading : at each place [rad].  slow : way that a blade would
+    move as it turns by one radian [mm].
+    """
+    steps = np.hypot(*np.diff(path, axis=0).T) + slow * np.abs(np.diff(heading))
+    time = (np.append(0.0, np.cumsum(steps)) + 1.2) / SPEED
+    ahead = np.array([np.cos(heading[0]), np.sin(heading[0]), 0.0])
+    places = np.column_stack([path, np.zeros(len(path))])
+    turns = np.column_stack([np.zeros((len(path), 2)), heading])
+    motion = sc.TableMotion(
+        np.append(0.0, time),
+        np.vstack([places[0] - 1.2 * ahead, places]),
+        np.vstack([turns[:1], turns]),
+    )
+    return motion, float(time[-1]), ahead
+
+
+def notch(sim, start, ahead):
+    """Notch a film from outside to where a blade begins its path."""
+    start = np.array([*start, 0.0])
+    sim.notch(start - 1.5 * ahead, start + 1.2 * ahead)
+
+
 def bend(rng, *, curvature=(-0.12, 0.12), slits=0):
     """A short blade enters at the left rim and follows an arc, or a line of curvature 0."""
     X, mesh = film(rng)
@@ -71,24 +90,17 @@ def bend(rng, *, curvature=(-0.12, 0.12), slits=0):
     middle = 0.5 * (heading[1:] + heading[:-1])
     steps = np.diff(way)[:, None] * np.column_stack([np.cos(middle), np.sin(middle)])
     path = np.array([-LENGTH / 2, y]) + np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
-    ahead = np.array([np.cos(angle), np.sin(angle), 0.0])
-    start = np.array([*path[0], 0.0])
-    times, turn = 1e-4 + way / SPEED, np.column_stack([0.0 * heading, 0.0 * heading, heading])
-    before = start - 1.2 * ahead
-    motion = sc.TableMotion(
-        np.append(-1.2 / SPEED, way / SPEED) + 1.2 / SPEED,
-        np.vstack([before, np.column_stack([path, 0.0 * way])]),
-        np.vstack([turn[:1], turn]),
-    )
+    motion, _, ahead = led(path, heading, slow=0.0)
     sim = held(X, mesh, tool=straight_blade(length=1.5, height=6.0), motion=motion)
-    sim.notch(start - 1.5 * ahead, start + 1.2 * ahead)
+    notch(sim, path[0], ahead)
     for _ in range(slits):
         across = rng.uniform(-0.8, 0.8)
         at, side = path[rng.integers(14, 30)], rng.choice([-1.0, 1.0])
         slit = side * np.array([np.sin(across), np.cos(across)])
         rim = at - slit * (WIDTH / 2 + side * at[1] + 0.5) / slit[1] / side
         sim.notch([*rim, 0.0], [*(at + rng.uniform(0.3, 2.0) * slit), 0.0])
-    return RandomCut(sim, float(times[-1]) * 0.9, lambda places: _from_line(places, path))
+    until = 0.9 * (1e-4 + way[-1] / SPEED)
+    return RandomCut(sim, until, lambda places: _from_line(places, path))
 
 
 def arc(rng):
@@ -143,21 +155,9 @@ def tight(rng):
     at = len(share) * np.arange(1, len(headings))
     path = np.insert(path, at, corners[1:-1], axis=0)
     heading = np.insert(heading, at, 0.5 * (np.array(headings[1:]) + headings[:-1]))
-    steps = np.hypot(*np.diff(path, axis=0).T) + 0.25 * np.abs(np.diff(heading))
-    ahead = np.array([np.cos(heading[0]), np.sin(heading[0]), 0.0])
-    time = np.append(0.0, np.cumsum(steps)) / SPEED + 1.2 / SPEED
-    places = np.column_stack([path, np.zeros(len(path))])
-    turns = np.column_stack([np.zeros((len(path), 2)), heading])
-    motion = sc.TableMotion(
-        np.append(0.0, time),
-        np.vstack([places[0] - 1.2 * ahead, places]),
-        np.vstack([turns[:1], turns]),
-    )
-    young, strain, opening = (
-        rng.uniform(50.0, 500.0),
-        rng.uniform(0.02, 0.15),
-        rng.uniform(0.4, 2.0),
-    )
+    motion, until, ahead = led(path, heading)
+    young, strain = rng.uniform(50.0, 500.0), rng.uniform(0.02, 0.15)
+    opening = rng.uniform(0.4, 2.0)
     law = sc.CohesiveLaw(
         strength=strain * young,
         plateau=0.6 * strain * young,
@@ -165,17 +165,11 @@ def tight(rng):
         opening_p=0.5 * opening,
         opening_u=opening,
     )
-    sim = held(
-        X,
-        mesh,
-        material=sc.ShellMaterial.homogeneous(young=young),
-        law=law,
-        tool=straight_blade(length=0.6, height=6.0),
-        motion=motion,
-    )
-    sim.notch(places[0] - 1.5 * ahead, places[0] + 1.2 * ahead)
+    soft, blade = sc.ShellMaterial.homogeneous(young=young), straight_blade(length=0.6, height=6.0)
+    sim = held(X, mesh, material=soft, law=law, tool=blade, motion=motion)
+    notch(sim, path[0], ahead)
     least = 2.0 * law.fracture_energy * sim.material.thickness  # of 2 mm of crack
-    return RandomCut(sim, float(time[-1]), lambda places: _from_line(places, path), least)
+    return RandomCut(sim, until, lambda places: _from_line(places, path), least)
 
 
 KINDS = {"bend": bend, "arc": arc, "crossing": crossing, "tight": tight}
@@ -191,23 +185,22 @@ def _from_line(places, path):
     return np.linalg.norm(p - foot, axis=-1).min(axis=1)
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What a cut came to."""
+class Outcome(NamedTuple):
+    """What a cut came to.
+
+    crack : length [mm].  imbalance : largest, over the largest work of the tool so far.  late :
+    largest overshoot of a cable, in edges.  off : farthest cut of a blade from the path, in edges;
+    without those where a tooth comes down.  work : of the tool over that of the cables.
+    """
 
     crack: float
-    """Length [mm]."""
     imbalance: float
-    """Largest, over the largest work of the tool so far."""
     late: float
-    """Largest overshoot of a cable, in edges."""
     off: float
-    """Farthest cut of a blade from the path, in edges; without those where a tooth comes down."""
     work: float
-    """Of the tool over that of the cables."""
 
 
-def carried_out(cut: RandomCut) -> Outcome:
+def carried_out(cut):
     """Run a cut."""
     sim = cut.simulation
     largest = worst = 0.0
@@ -230,31 +223,24 @@ def carried_out(cut: RandomCut) -> Outcome:
     )
 
 
-def main() -> None:
+def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=40)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--kinds", nargs="*", default=list(KINDS))
-    arguments = parser.parse_args()
-    found = {}
-    for kind in arguments.kinds:
-        for seed in range(arguments.first, arguments.first + arguments.seeds):
-            began = time.perf_counter()
-            try:
-                outcome = carried_out(KINDS[kind](np.random.default_rng(seed)))
-            except Exception as error:  # a blow-up is what is looked for
-                print(f"{kind} {seed}: {type(error).__name__}: {error}"[:300], flush=True)
-                found[kind, seed] = None
-                continue
-            found[kind, seed] = outcome
-            told = ", ".join(f"{name} {value:.4f}" for name, value in vars(outcome).items())
-            print(f"{kind} {seed}: {told}, {time.perf_counter() - began:.1f} s", flush=True)
-    done = {key: outcome for key, outcome in found.items() if outcome is not None}
-    print(f"{len(found)} cuts, {len(found) - len(done)} failed")
-    for name in ("imbalance", "late", "off", "work"):
+    given, done, failed = parser.parse_args(), {}, 0
+    for kind, seed in product(given.kinds, range(given.first, given.first + given.seeds)):
+        try:
+            done[kind, seed] = outcome = carried_out(KINDS[kind](np.random.default_rng(seed)))
+            told = ", ".join(f"{name} {value:.4f}" for name, value in outcome._asdict().items())
+        except Exception as error:  # a blow-up is what is looked for
+            told, failed = f"{type(error).__name__}: {error}"[:300], failed + 1
+        print(f"{kind} {seed}: {told}", flush=True)
+    print(f"{len(done)} cuts, {failed} failed")
+    for name in Outcome._fields[1:]:
         (kind, seed), worst = max(done.items(), key=lambda item: getattr(item[1], name))
         print(f"largest {name}: {getattr(worst, name):.4f} ({kind} {seed})")
-    sys.exit(len(done) < len(found))
+    sys.exit(failed > 0)
 
 
 if __name__ == "__main__":

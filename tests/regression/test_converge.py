@@ -8,6 +8,7 @@ import sys
 import pytest
 
 import shellcut as sc
+from gmsh_films import gmsh_with
 from shellcut.command_line import main
 from shellcut.results.error_bars import read_error_bars
 from tiny_study import SETTINGS, done_at, in_words
@@ -65,24 +66,16 @@ def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
 
 
 def test_a_film_from_gmsh_gets_its_error_bars(tmp_path):
-    gmsh = pytest.importorskip("gmsh", exc_type=ImportError)
+    pytest.importorskip("gmsh", exc_type=ImportError)
     path = tmp_path / "strip.msh"
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        shape = gmsh.model.occ
-        shape.addRectangle(0.0, -2.0, 0.0, 6.0, 4.0)
-        shape.synchronize()
-        sides = dict(zip(("bottom", "right", "top", "left"), (1, 2, 3, 4), strict=True))
-        for name, tag in sides.items():
+    with gmsh_with(RecombineAll=1, MeshSizeMin=1.0, MeshSizeMax=1.0) as gmsh:
+        gmsh.model.occ.addRectangle(0.0, -2.0, 0.0, 6.0, 4.0)
+        gmsh.model.occ.synchronize()
+        for tag, name in enumerate(("bottom", "right", "top", "left"), 1):
             gmsh.model.addPhysicalGroup(1, [tag], name=name)
         gmsh.model.addPhysicalGroup(2, [1], name="film")
-        for name, value in {"RecombineAll": 1, "MeshSizeMin": 1.0, "MeshSizeMax": 1.0}.items():
-            gmsh.option.setNumber(f"Mesh.{name}", value)
         gmsh.model.mesh.generate(2)
         gmsh.write(str(path))
-    finally:
-        gmsh.finalize()
     film = {"membrane.file": str(path), "membrane.unit": "mm", "membrane.triangles": "split"}
     rest = {k: v for k, v in SETTINGS.items() if "membrane." not in k} | {"fracture.path": "free"}
     given = {**rest, **film, "membrane.clamp": ["bottom", "top"]}

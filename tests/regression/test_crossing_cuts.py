@@ -64,8 +64,7 @@ def run(crossing_deg, length_u):
     return sim
 
 
-@pytest.mark.parametrize("length_u", [1.8, 4.0])
-@pytest.mark.parametrize("crossing_deg", [90.0, 60.0])
+@pytest.mark.parametrize(("crossing_deg", "length_u"), [(90.0, 4.0), (60.0, 1.8)])
 def test_a_blade_that_crosses_its_own_cut_cuts_the_far_flank_at_once(crossing_deg, length_u):
     sim = run(crossing_deg, length_u)
     log = sim.state.split_log

@@ -8,7 +8,7 @@ import pytest
 
 import shellcut as sc
 from films import pieces
-from random_cuts import LENGTH, SIZE, SPEED, _from_line, film
+from random_cuts import LENGTH, SIZE, SPEED, _from_line, film, led, notch
 from shellcut.fracture.quad_polygon import FLANK
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.tool_shapes import straight_blade
@@ -21,29 +21,27 @@ ABOVE = 3.5
 """Height from which the blade comes down where it does not enter at the rim [mm]."""
 
 
-def led(path, heading, seed, *, enters):
-    """Lead a blade along a path, shape (n, 2), with its heading at each place; return what was cut.
-
-    enters : at the rim, in a notch; else it comes down at the start.
-    """
-    X, mesh = film(np.random.default_rng(seed))
+def descending(path, heading):
+    """Return a motion as :func:`led`, but of a blade that comes down at the start, and its end."""
     steps = np.hypot(*np.diff(path, axis=0).T) + 0.25 * np.abs(np.diff(heading))
     time = np.append(0.0, np.cumsum(steps)) / SPEED
     places = np.column_stack([path, np.zeros(len(path))])
     turns = np.column_stack([np.zeros((len(path), 2)), heading])
-    ahead = np.array([np.cos(heading[0]), np.sin(heading[0]), 0.0])
-    if enters:
-        before, early = [places[0] - 1.2 * ahead], np.array([1.2]) / SPEED
-    else:
-        # Many rows: between them the motion is smooth, and would swing beside the start.
-        left = np.linspace(2.0, 0.05, 20)
-        before = places[0] + np.outer(np.clip(left - 0.4, 0.0, None) * ABOVE / 1.6, [0.0, 0.0, 1.0])
-        early = left * ABOVE / SPEED
+    # Many rows: between them the motion is smooth, and would swing beside the start.
+    left = np.linspace(2.0, 0.05, 20)
+    before = places[0] + np.outer(np.clip(left - 0.4, 0.0, None) * ABOVE / 1.6, [0.0, 0.0, 1.0])
+    early = left * ABOVE / SPEED
     motion = sc.TableMotion(
         np.append(early[0] - early, early[0] + time),
         np.vstack([before, places]),
         np.vstack([np.repeat(turns[:1], len(early), axis=0), turns]),
     )
+    return motion, early[0] + time[-1]
+
+
+def cut(path, motion, until, seed, ahead=None):
+    """Lead a blade along a path, from a notch if it enters at the rim; return what was cut."""
+    X, mesh = film(np.random.default_rng(seed))
     sim = sc.Simulation(
         sc.Mesh.from_arrays(X, mesh.quads),
         SOFT,
@@ -54,9 +52,9 @@ def led(path, heading, seed, *, enters):
         stepping=sc.Stepping(fixed=1.5e-6),
         damping_beta=0.0,
     )
-    if enters:
-        sim.notch(places[0] - 1.5 * ahead, places[0] + 1.2 * ahead)
-    while sim.state.time < early[0] + time[-1]:
+    if ahead is not None:
+        notch(sim, path[0], ahead)
+    while sim.state.time < until:
         sim.step()
     return sim
 
@@ -96,7 +94,8 @@ def spiral():
 @pytest.mark.parametrize(("shape", "off"), [(saw, 0.3), (spiral, 0.2)])
 def test_a_crack_follows_its_blade(shape, off):
     path, heading = shape()
-    sim = led(path, heading, 3, enters=True)
+    motion, until, ahead = led(path, heading)
+    sim = cut(path, motion, until, 3, ahead)
     cuts = np.array([cut.reference for cut in sim.state.split_log if cut.kind != "notch"])
     assert _from_line(cuts, path).max() < off * SIZE
     assert len(sim.cracks.tips) == 1
@@ -122,7 +121,7 @@ def swept(X, start, end):
 def test_a_closed_loop_frees_its_piece():
     radius, angle = 2.6, np.linspace(0.0, 2.2 * np.pi, 160)
     circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    sim = led(circle, angle + 0.5 * np.pi, 1, enters=False)
+    sim = cut(circle, *descending(circle, angle + 0.5 * np.pi), 1)
     s, topology = sim.state, sim.cracks.cuts.topology
     centres = sim.mesh.nodes[sim.mesh.quads].mean(axis=1)
     of_row = pieces(s.quads)

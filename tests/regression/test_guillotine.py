@@ -11,7 +11,7 @@ GH = 43.5 * 0.074
 START = 10.0  # the plateau is reached after about 8 mm of cut
 
 
-def check_cut(size: float, tmp_path) -> tuple[float, float]:
+def check_cut(size, tmp_path):
     """Run and check; return the mean force by the tool's work and by the cables'."""
     case = guillotine(size)
     summary, history = run(case, tmp_path)

@@ -16,14 +16,12 @@ import pytest
 import shellcut as sc
 from shellcut.study import child_process
 from shellcut.study.one_run import STOP
-from small_disk import REFUSAL, enlarge, files_of_at_most, small_disk
+from small_disk import REFUSAL, files_of_at_most
 from tiny_study import ANGLES, SETTINGS, done_at, in_words
 
 
-def study(out, executor=1, lines=None, **more):
-    say = (lambda line: None) if lines is None else lines.append
-    settings = SETTINGS | more
-    return sc.sweep("guillotine", ANGLES, out, settings=settings, executor=executor, say=say)
+def study(out, executor=1, say=str):
+    return sc.sweep("guillotine", ANGLES, out, settings=SETTINGS, executor=executor, say=say)
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +63,7 @@ def test_a_study_gives_a_row_a_run(done):
 def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, part):
     out = part()
     before, lines = done_at(out), []
-    again = study(out, lines=lines)
+    again = study(out, say=lines.append)
     assert done_at(out) == before
     assert lines[0].startswith("4 runs, 4 of them done before")
     assert again.table.read_bytes() == done.table.read_bytes()
@@ -91,14 +89,14 @@ def test_processes_give_the_same_table_though_one_is_killed(done, part, monkeypa
             children[-1]._process.kill()
 
     out = part(0, 1, 2)
-    found = sc.sweep("guillotine", ANGLES, out, settings=SETTINGS, executor=2, say=say)
+    found = study(out, 2, say)
     assert killed[0]._process.returncode < 0
     assert found.table.read_bytes() == done.table.read_bytes()
 
 
 def test_an_executor_of_the_caller_gives_the_same_table(done, part):
     with ThreadPoolExecutor(1) as executor:
-        found = study(part(1, 2), executor)
+        found = study(part(1), executor)
     assert found.table.read_bytes() == done.table.read_bytes()
 
 
@@ -120,58 +118,36 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     if how == signal.SIGINT:
         assert "the present runs keep their checkpoints" in rest
         assert process.returncode == 130
-    before, lines = done_at(tmp_path), []
+    before = done_at(tmp_path)
     assert before
-    found = study(tmp_path, lines=lines)
+    found = study(tmp_path)
     assert found.table.read_bytes() == done.table.read_bytes()
     assert {path: done_at(tmp_path)[path] for path in before} == before
 
 
-def test_a_failed_run_says_why_and_is_tried_again(done, part):
-    # A file where the folder of the second run should be.
-    out = part(1, 2)
-    second = done.plan.runs[1].folder(out)
-    second.write_text("in the way")
-    found = study(out)
-    assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
-    row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
-    assert row.startswith("1,14,failed")
-    assert second.name in row
-    second.unlink()
-    assert study(out).table.read_bytes() == done.table.read_bytes()
-
-
-@pytest.mark.parametrize("disk", ["of the run", "with a limit on files"])
-def test_a_full_disk_ends_its_run_and_not_the_study(done, part, disk):
+def test_a_full_disk_ends_its_run_and_not_the_study(done, part):
     out, lines = part(1, 2), []
     first = done.plan.runs[1].folder(out)
-    with ExitStack() as at_last, ExitStack() as full:
-        if disk == "of the run":
-            at_last.enter_context(small_disk(first, kilobytes=64))
-        else:
-            full.enter_context(files_of_at_most(230_000))
+    with ExitStack() as full:
+        full.enter_context(files_of_at_most(230_000))
 
         def say(line):
             lines.append(line)
             if line.startswith("[3/"):  # the first of the two has ended
                 full.close()
 
-        settings = {"settings": SETTINGS, "executor": 1}
-        found = sc.sweep("guillotine", ANGLES, out, **settings, say=say)
-        assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
-        assert re.search(REFUSAL, found.outcomes[1].reason)
-        row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
-        assert row.startswith("1,14,failed")
-        assert re.search(REFUSAL, row)
-        assert any(line.startswith("[3/4]") and "failed" in line for line in lines)
-        assert first.joinpath("history.csv").exists()  # it had begun
-        if disk == "of the run":
-            enlarge(first, kilobytes=64_000)
-        before = done_at(out)
-        again = sc.sweep("guillotine", ANGLES, out, **settings, say=str)
-        assert again.table.read_bytes() == done.table.read_bytes()
-        assert done_at(out).keys() - before.keys() == {first / "summary.json"}
-        assert {path: done_at(out)[path] for path in before} == before
+        found = study(out, say=say)
+    assert [found.outcomes[k].status for k in range(4)] == ["done", "failed", "done", "done"]
+    assert re.search(REFUSAL, found.outcomes[1].reason)
+    row = found.table.read_text(encoding="utf-8-sig").splitlines()[2]
+    assert row.startswith("1,14,failed")
+    assert re.search(REFUSAL, row)
+    assert any(line.startswith("[3/4]") and "failed" in line for line in lines)
+    assert first.joinpath("history.csv").exists()  # it had begun
+    before = done_at(out)
+    assert study(out).table.read_bytes() == done.table.read_bytes()
+    assert done_at(out).keys() - before.keys() == {first / "summary.json"}
+    assert {path: done_at(out)[path] for path in before} == before
 
 
 def test_an_interrupted_run_goes_on_from_its_checkpoint(done, tmp_path):

@@ -1,20 +1,10 @@
-"""Cutting force over the edge's radius: python tests/verification/blunt_edge.py [--csv FILE].
-
-A strip of the film of 2010 is cut along its middle by a blade (half-angle 10°, half thickness 0.3
-mm) whose edge has a radius, with cables that adhere and with cables that slip with friction. Prints
-a table; ``--csv`` writes it, ready to be plotted. Beside the friction is its value for a film that
-lies on the blade (:func:`on_the_blade`).
-"""
-
-import argparse
-import csv
-from pathlib import Path
+"""The guillotine of the film of 2010 with a blade whose edge has a radius, half-angle 10°."""
 
 import numpy as np
 
+from courses import steady_works
 from shellcut import CohesiveLaw, guillotine
 from shellcut.tool.shapes import straight_blade
-from steady_cut_works import steady_works
 
 THICKNESS = 0.074  # mm
 HALF_ANGLE = np.radians(10.0)
@@ -22,11 +12,6 @@ FRICTION = 0.3
 SIZE = 0.8  # mm
 LENGTH = 20.0  # mm
 NOTCH, WIDTH = 2.0, 8.0  # mm
-RADII = (0.0, 1e-3, 0.01, 0.02, 0.05, 0.1, 0.2)
-COLUMNS = (
-    *("joint", "joint_friction", "edge_radius_mm", "r_over_h", "F_over_Gh"),
-    *("cables", "friction", "friction_on_the_blade", "damping", "imbalance"),
-)
 
 
 def cut(radius, size=SIZE, **joint):
@@ -47,7 +32,7 @@ def cut(radius, size=SIZE, **joint):
     return (*(mean / whole for mean in means), worst)
 
 
-def on_the_blade(radius, friction, law=None):
+def on_the_blade(radius, friction):
     """Return friction over G h of cables whose ends lie on the flanks of the blade.
 
     Drawn out evenly (shellcut.cables.joint_slip), the cable of length l has the arc r phi on the
@@ -56,7 +41,7 @@ def on_the_blade(radius, friction, law=None):
     """
     if not radius * friction:
         return 0.0
-    law = law or CohesiveLaw()
+    law = CohesiveLaw()
     opening = np.linspace(0.0, law.opening_u, 400_001)[1:]
     phi = np.minimum(opening / radius, np.pi - 2.0 * HALF_ANGLE)
     half = 0.5 * friction * phi
@@ -64,37 +49,3 @@ def on_the_blade(radius, friction, law=None):
     stress = np.array([law.traction(x) for x in opening[::100]])
     extra = np.interp(opening, opening[::100], stress) * held / (opening - held)
     return float(np.trapezoid(extra, opening) / law.fracture_energy)
-
-
-def table(radii=RADII):
-    """Yield the rows of the table, by the names of ``COLUMNS``."""
-    for mu in (0.0, FRICTION):
-        joint = {"joint": "slip", "joint_friction": mu} if mu else {"joint": "adhesion"}
-        for radius in radii:
-            force, cables, friction, damping, imbalance = cut(radius, **joint)
-            values = (
-                *(joint["joint"], mu, radius, radius / THICKNESS, force),
-                *(cables, friction, on_the_blade(radius, mu), damping, imbalance),
-            )
-            yield dict(zip(COLUMNS, values, strict=True))
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--csv", type=Path, help="write the table to this file, too")
-    target = parser.parse_args().csv
-    print(" ".join(f"{name:>12.12}" for name in COLUMNS))
-    rows = []
-    for row in table():
-        rows.append(row)
-        said = (v if isinstance(v, str) else f"{v:.5g}" for v in row.values())
-        print(" ".join(f"{value:>12}" for value in said), flush=True)
-    if target is not None:
-        with target.open("w", newline="") as file:
-            writer = csv.DictWriter(file, COLUMNS)
-            writer.writeheader()
-            writer.writerows(rows)
-
-
-if __name__ == "__main__":
-    main()

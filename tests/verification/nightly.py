@@ -7,8 +7,6 @@ The results are stored beside this file, in ``nightly.json``. A run of some file
 and leaves the others. The section is part of the page's head, which report.py keeps.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import platform
@@ -17,7 +15,6 @@ import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 STORED = Path(__file__).with_name("nightly.json")
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,7 +23,7 @@ HEADING = "## The nightly tests"
 WORDS = ("passed", "failed", "skipped")
 
 
-def rows_of(xml: Path) -> dict[str, dict[str, Any]]:
+def rows_of(xml):
     """Return what pytest's ``--junitxml`` file tells, a row a file of tests."""
     suite = ElementTree.parse(xml).getroot().find("testsuite")
     assert suite is not None, f"{xml} is no result of pytest"
@@ -36,7 +33,7 @@ def rows_of(xml: Path) -> dict[str, dict[str, Any]]:
         "with": f"shellcut {version('shellcut-fem')}, Python {platform.python_version()}, "
         f"Numba {version('numba')}, {platform.system()} {platform.machine()}",
     }
-    rows: dict[str, dict[str, Any]] = defaultdict(lambda: dict(empty))
+    rows = defaultdict(lambda: dict(empty))
     for case in suite.iter("testcase"):
         parts = case.get("classname", "").split(".")
         last = next((k for k, part in enumerate(parts) if part.startswith("test_")), len(parts) - 1)
@@ -46,13 +43,13 @@ def rows_of(xml: Path) -> dict[str, dict[str, Any]]:
     return dict(rows)
 
 
-def _outcome(case: ElementTree.Element) -> str:
+def _outcome(case):
     if case.find("failure") is not None or case.find("error") is not None:
         return "failed"
     return "passed" if case.find("skipped") is None else "skipped"
 
 
-def section(rows: dict[str, dict[str, Any]]) -> list[str]:
+def section(rows):
     """Return the lines of the section."""
     total = {word: sum(row[word] for row in rows.values()) for word in WORDS}
     return [
@@ -74,12 +71,12 @@ def section(rows: dict[str, dict[str, Any]]) -> list[str]:
     ]
 
 
-def stored() -> dict[str, dict[str, Any]]:
+def stored():
     """Return the last row of each file."""
     return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
 
 
-def with_section(page: str, rows: dict[str, dict[str, Any]]) -> str:
+def with_section(page, rows):
     """Return the page with the section in the place of the one that it has."""
     before, heading, after = page.partition(HEADING + "\n")
     assert heading, f"the page has no section {HEADING!r}"
@@ -88,7 +85,7 @@ def with_section(page: str, rows: dict[str, dict[str, Any]]) -> str:
     return before + "\n".join([*section(rows), rest])
 
 
-def main() -> None:
+def main():
     """Store the rows, print the section and write it."""
     parser = argparse.ArgumentParser(description="The result of the slow tests.")
     parser.add_argument("xml", type=Path, help="what pytest --junitxml has written")

@@ -6,12 +6,17 @@ grown, and where the work went from there on.
 """
 
 import argparse
+import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
 import shellcut as sc
+from courses import recorded
 from shellcut.models.oscillating import (
     BAR_FILM,
     BAR_FRACTURE,
@@ -72,38 +77,43 @@ def grown(turns, path, diameter):
 
 def run(case, until):
     """Run to the end; return rows of travel, crack and works: tool, cables, damping, imbalance."""
-    sim, rows, began = case.simulation, [], time.time()
-    while sim.state.time < case.duration and sim.cracks.tips:
-        sim.step()
-        if sim.state.step % 200 == 0:
-            book = sim.ledger
-            works = book.tool_work, book.cohesive_work, book.damping, book.imbalance, book.kinetic
-            way = sim.motion.coordinate(sim.state.time)
-            rows.append((way, sim.state.crack_length, *works))
-        if time.time() - began > until:
-            break
-    return np.array(rows)
+    began = time.monotonic()
+
+    def ended(sim):
+        late = sim.state.time >= case.duration or time.monotonic() - began > until
+        return late or not sim.cracks.tips
+
+    def read(sim):
+        book, way = sim.ledger, sim.motion.coordinate(sim.state.time)
+        works = book.tool_work, book.cohesive_work, book.damping, book.imbalance, book.kinetic
+        return way, sim.state.crack_length, *works
+
+    return recorded(case.simulation, ended, read, every=200).T
+
+
+NUMBERS = {
+    "diameter": (6.0, "of the bar [mm]"),
+    "size": (0.5, "of the quads [mm]"),
+    "thickness": (0.1, "of the film [mm]"),
+    "speed": (3000.0, "of the bar [mm/s]"),
+    "length": (22.0, "of the film [diameters]"),
+    "width": (6.0, "of the film [diameters]"),
+    "band": (1.2, "half that of the fine quads [diameters]"),
+    "damping": (STIFFNESS_DAMPING, "of the stiffness [s]"),
+    "fibres": (BAR_FRACTURE.fibres, "of a segment"),
+    "notch": (1.5, "its length [diameters]"),
+    "offset": (0.35, "of the notch from the bar [diameters]"),
+    "strength": (BAR_LAW.strength, "at the same fracture energy [MPa]"),
+    "until": (3600.0, "wall time at most [s]"),
+}
+"""Options of the command line, with their defaults."""
 
 
 def arguments():
     """Return what the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    number = parser.add_argument
-    number("--diameter", type=float, default=6.0, help="of the bar [mm]")
-    number("--size", type=float, default=0.5, help="of the quads [mm]")
-    number("--thickness", type=float, default=0.1, help="of the film [mm]")
-    number("--speed", type=float, default=3000.0, help="of the bar [mm/s]")
-    number("--length", type=float, default=22.0, help="of the film [diameters]")
-    number("--width", type=float, default=6.0, help="of the film [diameters]")
-    number("--band", type=float, default=1.2, help="half that of the fine quads [diameters]")
-    number("--damping", type=float, default=STIFFNESS_DAMPING, help="of the stiffness [s]")
-    number("--fibres", type=int, default=BAR_FRACTURE.fibres, help="of a segment")
-    number("--notch", type=float, default=1.5, help="its length [diameters]")
-    number("--offset", type=float, default=0.35, help="of the notch from the bar [diameters]")
-    number(
-        "--strength", type=float, default=BAR_LAW.strength, help="at the same fracture energy [MPa]"
-    )
-    number("--until", type=float, default=3600.0, help="wall time at most [s]")
+    for name, (default, words) in NUMBERS.items():
+        parser.add_argument(f"--{name}", type=type(default), default=default, help=words)
     parser.add_argument("--mesh", choices=("moved", "turned", "gmsh"), default="moved")
     return parser.parse_args()
 

@@ -7,13 +7,10 @@ The hand-written head of docs/verification.md (between the file's start and the 
 kept. Below it is the table of all cases; each chapter of cases is a page in docs/verification/.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import sys
 from pathlib import Path
-from typing import Any
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 MARKER = "<!-- made by tests/verification/report.py: do not edit below -->"
@@ -31,12 +28,12 @@ CHAPTERS = {
 """Page and title of a chapter, by the letter with which the ids of its cases begin."""
 
 
-def anchor(heading: str) -> str:
+def anchor(heading):
     """Return the anchor that GitHub and the site give a heading."""
     return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
 
 
-def overview(cases: list[tuple[str, int, int, str]]) -> list[str]:
+def overview(cases):
     """Return the tables of all cases: id and title, rows that pass, of how many, seconds."""
     lines = []
     for letter, (page, title) in CHAPTERS.items():
@@ -52,7 +49,7 @@ def overview(cases: list[tuple[str, int, int, str]]) -> list[str]:
     return lines
 
 
-def chapter(letter: str, cases: list[str]) -> str:
+def chapter(letter, cases):
     """Return the page of a chapter."""
     lines = [
         f"# {CHAPTERS[letter][1]}",
@@ -67,7 +64,7 @@ def chapter(letter: str, cases: list[str]) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def table(results: list[dict[str, Any]]) -> list[str]:
+def table(results):
     lines = []
     for result in results:
         verdict = "passes" if result["passed"] else "FAILS"
@@ -93,7 +90,7 @@ def table(results: list[dict[str, Any]]) -> list[str]:
     return lines
 
 
-def draw(result: dict[str, Any]) -> None:
+def draw(result):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -118,7 +115,7 @@ def draw(result: dict[str, Any]) -> None:
     figure.savefig(path, facecolor="white", bbox_inches="tight")
 
 
-def main(path: str) -> None:
+def main(path):
     results = json.loads(Path(path).read_text())
     gates = sum(c["gate"] for r in results for c in r["checks"])
     passed = sum(c["gate"] and c["passed"] for r in results for c in r["checks"])

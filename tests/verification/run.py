@@ -3,8 +3,6 @@
 Prints a table of every number against its reference and exits with 1 if a gate fails.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import traceback
@@ -12,10 +10,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from harness import Result, as_json, load_cases, run_case
+from harness import as_json, load_cases, run_case
 
 
-def row(result: Result, k: int) -> str:
+def row(result, k):
     check = result.checks[k]
     verdict = ("pass" if check.passed else "FAIL") if check.gate else "info"
     unit = "" if check.absolute else " %"
@@ -26,7 +24,7 @@ def row(result: Result, k: int) -> str:
     )
 
 
-def main() -> int:
+def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--case", help="run one case only, e.g. A03")
     parser.add_argument("--json", type=Path, help="write the table to this file")
@@ -36,13 +34,13 @@ def main() -> int:
     head += f" {'tolerance':>10}"
     print(head, "verdict", flush=True)
     results, failed = [], []
-    for module in load_cases(options.case, fast_only=options.fast):
+    for case in load_cases(options.case, fast_only=options.fast):
         try:
-            result = run_case(module)
+            result = run_case(case)
         except Exception:  # the others are still to be told
             traceback.print_exc()
-            print(f"{module.ID:<5} did not end: FAIL", flush=True)
-            failed.append(module.ID)
+            print(f"{case.ID:<5} did not end: FAIL", flush=True)
+            failed.append(case.ID)
             continue
         results.append(result)
         for k in range(len(result.checks)):

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from free_model import FREE as A_CUT
 from gone_on import check_goes_on
 from naive.glue_law import traction
 from shellcut.meshing import rectangle
@@ -42,19 +43,17 @@ def pressed(pressure):
     return sim
 
 
-@pytest.mark.parametrize("pressure", [0.3, -0.3])
+@pytest.mark.parametrize("pressure", [0.45, -0.3])
 def test_glue_and_base_carry_a_pressure(pressure):
-    sim = pressed(pressure)
-    traction = glue_of(sim).points.traction
-    np.testing.assert_allclose(traction[:, 2], -pressure, rtol=1e-4)
-    assert np.abs(traction[:, :2]).max() < 1e-4 * abs(pressure)
+    points = glue_of(pressed(pressure)).points
+    np.testing.assert_allclose(points.traction[:, 2], -pressure, rtol=1e-4)
+    assert np.abs(points.traction[:, :2]).max() < 1e-4 * abs(pressure)
+    assert points.largest.max() < 0.05
 
 
 def test_a_pressure_above_the_strength_pulls_the_sheet_off():
-    assert glue_of(pressed(0.45)).points.largest.max() < 0.05
     off = pressed(0.55)
-    points = glue_of(off).points
-    assert not points.traction.any()
+    assert not glue_of(off).points.traction.any()
     ledger = off.close_ledger()
     assert ledger.adhesion_dissipated == pytest.approx(0.05 * 4.0, rel=1e-9)
     # It snaps within a few dozen steps, over each of which the work takes the mean force.
@@ -73,9 +72,7 @@ class Peel:
         def rate(axis):
             return lambda time: speed * min(time / 1e-4, 1.0) * path(speed * time)[axis]
 
-        pulled = sc.Support(
-            end, translation="xyz", rotation="", velocity={"x": rate(0), "z": rate(1)}
-        )
+        pulled = sc.Support(end, rotation="", velocity={"x": rate(0), "z": rate(1)})
         glue = sc.Adhesion(quads=glued, energy=energy)
         self.energy, self.width, self.end, self.speed = energy, size, end, speed
         self.sim = sc.Simulation(mesh, FILM, supports=[pulled], terms=[glue], **options)
@@ -146,9 +143,8 @@ def test_peel_from_a_cylinder():
     mesh = sc.Mesh.from_arrays(nodes, flat.quads)
     glue = sc.Adhesion(quads=np.arange(8, mesh.n_quad), energy=0.05)
     end = np.flatnonzero(turn < 1e-9)
-    pulled = sc.Support(
-        end, translation="xyz", rotation="", velocity={"z": lambda time: 1e3 * min(time / 1e-4, 1)}
-    )
+    rate = {"z": lambda time: 1e3 * min(time / 1e-4, 1)}
+    pulled = sc.Support(end, rotation="", velocity=rate)
     sim = sc.Simulation(mesh, FILM, supports=[pulled], terms=[glue], damping_alpha=0.0)
     sim.run(until=6e-3)
     peeled = sim.close_ledger()
@@ -171,13 +167,16 @@ def glued_cut(path="free", **options):
 
 
 @pytest.mark.parametrize("path", ["free", "edges"])
-def test_a_cut_divides_the_glue_among_the_duplicates(path):
+def test_a_cut_divides_the_glue_among_the_duplicates(path, monkeypatch):
     case = glued_cut(path)
     sim = case.simulation
-    glue = glue_of(sim)
+    glue, asked = glue_of(sim), []
     area = glue.points.area.sum()
     assert area == pytest.approx(sim.mesh.quad_areas().sum(), rel=1e-12)
+    of_rows = glue.add_corner_forces
+    monkeypatch.setattr(glue, "add_corner_forces", lambda *given: asked.append(of_rows(*given)))
     sim.run(case.duration)
+    assert asked or path == "edges"  # by trial cuts, for the forces of single rows
     assert len(sim.state.split_log) > 2
     ledger = sim.close_ledger()
     assert abs(ledger.relative(ledger.imbalance)) < 2e-4
@@ -229,7 +228,6 @@ def test_traction_on_any_path_is_that_of_the_plain_law():
     sim = sc.Simulation(mesh, FILM, terms=[glue])
     points, state, generator = glue_of(sim).points, sim.state, np.random.default_rng(3)
     largest, start = np.zeros(4), state.node.x[:4].copy()
-    broke = 0
     for reach in np.linspace(0.002, 0.7, 90):
         state.node.x[:4] = start + reach * generator.uniform(-1.0, 1.0, (4, 3))
         state.node.force_rows[:] = 0.0
@@ -240,8 +238,7 @@ def test_traction_on_any_path_is_that_of_the_plain_law():
             expected[k], largest[k] = traction(apart, normal, largest[k], **LAW)
         np.testing.assert_allclose(points.traction, expected, atol=1e-12)
         np.testing.assert_allclose(state.node.force[:4], 0.25 * expected, atol=1e-12)
-        broke = int((largest >= 0.2).sum())
-    assert broke == 4
+    assert (largest >= 0.2).all()
 
 
 def test_stored_and_dissipated_make_up_the_work_of_a_slow_path():
@@ -349,45 +346,8 @@ def test_a_glued_piece_is_not_loose_and_frames_show_the_glue(tmp_path, terms, n_
     assert ("adhesion" in frame.quad_history) == bool(terms)
 
 
-class Asked(sc.ForceTerm):
-    """Counts how often a crack asks for its forces of single rows."""
-
-    name = "asked"
-
-    def __init__(self):
-        self.n = 0
-
-    def add_forces(self, state, pose):
-        pass
-
-    def add_corner_forces(self, state, rows, nodes, force):
-        self.n += 1
-
-
-def test_a_trial_cut_asks_the_terms_for_forces_of_single_rows():
-    asked = Asked()
-    case = guillotine(0.5, length=6.0, width=3.5, notch=1.0, travel=0.5, terms=[asked])
-    case.simulation.run(case.duration)
-    assert asked.n > 0
-
-
 def test_a_model_file_glues():
-    text = """model = "free"
-    [membrane]
-    length = 4
-    width = 2
-    size = 0.5
-    [tool]
-    edge_angle_deg = 90
-    shift = [-20, 0, 0]
-    [motion]
-    direction = [1, 0, 0]
-    speed = 1000
-    duration = 1e-4
-    [[adhesion]]
-    quads = [0, 1]
-    energy = "50 N/m"
-    """
+    text = A_CUT + '[[adhesion]]\nquads = [0, 1]\nenergy = "50 N/m"\n'
     (glue,) = model_of_text(text, "glued.toml").build().simulation.inputs["terms"]
     assert glue.energy == pytest.approx(0.05)
     assert tuple(glue.quads) == (0, 1)

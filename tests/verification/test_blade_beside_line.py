@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from courses import course
+from courses import course, moved_by
 from films import cut_by
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.shapes import straight_blade
@@ -22,9 +22,7 @@ ROW = 3  # the row of nodes at y = -0.8 mm, not the middle one: nothing may rest
 
 
 @cache
-def _cut(
-    criterion: str, beside: float, notched: bool, film_edges: bool = False, n_x: int = 14
-) -> tuple[sc.Simulation, np.ndarray]:
+def _cut(criterion, beside, notched, film_edges=False, n_x=14):
     """Drive the blade ``beside`` [mm] off a row of nodes; return the run and (path, work) rows."""
     flat = rectangle(n_x * SIZE, 10 * SIZE, n_x=n_x, n_y=10)
     # Waves of 2 µm, as every film has: a perfectly flat sheet cannot buckle aside of the blade.
@@ -43,13 +41,10 @@ def _cut(
     given = {"fracture": along, "contact": contact, "damping_beta": 5e-8}
     sim = cut_by(blade, mesh, 12000.0, ramp=5e-5, **given)
 
-    def gone(one: sc.Simulation) -> bool:
-        return one.motion.coordinate(one.state.time) >= PATH
-
-    return sim, course(sim, gone, "tool_work", "imbalance", every=1).T
+    return sim, course(sim, moved_by(PATH), "tool_work", "imbalance", every=1).T
 
 
-def _check_path(sim: sc.Simulation, notched: bool) -> None:
+def _check_path(sim, notched):
     """The nodes of the row have split, each once, from the notch to the blade; and no other."""
     path = np.array([split.reference for split in sim.state.split_log])
     y = (ROW - 5) * SIZE
@@ -62,11 +57,10 @@ def _check_path(sim: sc.Simulation, notched: bool) -> None:
     # the edge has not left a whole node behind. Measured up to 2.6 edges ahead.
     edge = PATH - 0.05
     assert edge - SIZE < reached[-1] < edge + 3.5 * SIZE
-    assert sim.cracks is not None
     assert len(sim.cracks.tips) == 1
 
 
-def _check_contact(sim: sc.Simulation, loses: float = 3e-3) -> None:
+def _check_contact(sim, loses=0.003):
     """The faces are frictionless and the penalty elastic: contact keeps and gives nothing."""
     # Nodes born within a tenth of an edge of the mid-plane are set over to the other flank, and
     # the tool pays for it. Measured -4e-5 to 5e-4 of the work, 1.3e-3 in one run, by impacts.
@@ -74,15 +68,13 @@ def _check_contact(sim: sc.Simulation, loses: float = 3e-3) -> None:
     assert -5e-4 * sim.ledger.tool_work < lost < loses * sim.ledger.tool_work
 
 
-CUTS = [("force", beside, True) for beside in (0.0, 0.1, -0.1, 0.2, -0.2, 0.3)]
-CUTS += [("stress", beside, True) for beside in (0.0, 0.1, -0.1)]
-CUTS += [(by, beside, False) for by in ("force", "stress") for beside in (0.0, 0.1, -0.1)]
+CUTS = [("force", beside, True) for beside in (0.0, 0.1, -0.2, 0.3)]
+CUTS += [("stress", 0.0, True), ("stress", -0.1, True)]
+CUTS += [("force", -0.1, False), ("stress", 0.1, False)]
 
 
 @pytest.mark.parametrize(("criterion", "beside", "notched"), CUTS)
-def test_the_nearer_line_is_cut_with_the_work_on_it(
-    criterion: str, beside: float, notched: bool
-) -> None:
+def test_the_nearer_line_is_cut_with_the_work_on_it(criterion, beside, notched):
     sim, rows = _cut(criterion, beside, notched)
     _check_path(sim, notched)
     # Every cable the edge has come to is bent around it, none is left straight behind it.
@@ -101,25 +93,26 @@ def test_the_nearer_line_is_cut_with_the_work_on_it(
         assert work[-1] == pytest.approx(on_line, rel=0.15)
 
 
-@pytest.mark.parametrize("beside", [-0.1, -0.2])
-def test_edges_of_the_film_that_the_blade_goes_through_do_not_press(beside: float) -> None:
+def test_edges_of_the_film_that_the_blade_goes_through_do_not_press():
     # At the notch's mouth one lies across the whole blade. On its way out at the other side the
     # depth jumps, so a force there is no gradient: it would give the film 8 % of the work.
-    sim, _ = _cut("force", beside, True, film_edges=True)
+    sim, _ = _cut("force", -0.2, True, film_edges=True)
     _check_path(sim, True)
     # Where the blade goes through an edge its springs let go: measured 1.3 % at 0.2 mm.
     _check_contact(sim, loses=0.02)
 
 
-def test_work_on_the_line_is_the_same_by_both_criteria() -> None:
+def test_work_on_the_line_is_the_same_by_both_criteria():
     # Which measure splits a node matters little where the blade leads: work within 3 %.
     by_stress, by_force = (_cut(by, 0.0, True)[1][-1, 1] for by in ("stress", "force"))
     assert by_stress == pytest.approx(by_force, rel=0.03)
 
 
-@pytest.mark.parametrize("beside", [0.0, 0.3])
-def test_from_a_free_edge_the_nearest_row_is_cut(beside: float) -> None:
+def test_from_a_free_edge_the_nearest_row_is_cut():
     # A strip of 16 mm: the crack runs on to an end that is near.
-    sim, rows = _cut("force", beside, False, n_x=20)
-    _check_path(sim, False)
-    assert rows[-1, 1] == pytest.approx(_cut("force", 0.0, False, n_x=20)[1][-1, 1], rel=0.15)
+    works = []
+    for beside in (0.0, 0.3):
+        sim, rows = _cut("force", beside, False, n_x=20)
+        _check_path(sim, False)
+        works.append(rows[-1, 1])
+    assert works[1] == pytest.approx(works[0], rel=0.15)

@@ -13,14 +13,14 @@ from page_tables import ROOT, cells, tables
 SIBLINGS = {"B09": "B03", "C03": "C01", "C04": "C05", "C13": "C15", "D04": "D07"}
 """Cases of some seconds, each with a quick one of the same kind that is in the default tests."""
 CASES = [
-    pytest.param(module, id=module.ID, marks=[pytest.mark.slow] if module.ID in SIBLINGS else [])
-    for module in load_cases(fast_only=True)
+    pytest.param(case, id=case.ID, marks=[pytest.mark.slow] if case.ID in SIBLINGS else [])
+    for case in load_cases(fast_only=True)
 ]
 
 
-@pytest.mark.parametrize("module", CASES)
-def test_case(module):
-    result = run_case(module)
+@pytest.mark.parametrize("case", CASES)
+def test_case(case):
+    result = run_case(case)
     assert result.checks
     assert json.loads(as_json([result]))[0]["passed"] == result.passed
     failed = [

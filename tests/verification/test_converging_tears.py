@@ -1,10 +1,8 @@
 """Two tears that converge: the end of a flap between two notches of a clamped sheet is pulled up.
 
 The fold between the two tips stores bending energy, the less the narrower it is, so each tear turns
-towards the other until they meet and the strip is loose. [Brau2014] has w ~ x^(8/11) for an elastic
-ridge, x being the distance to where the strip ends; a fold in a sheet that stays flat gives 2/3.
-The law is that of a sheet wide beside the strip, and of a process zone short beside the fold. How
-near whole runs come to it is on the page of predictions (tests/predictions/converging_tears.py).
+towards the other until they meet. [Brau2014] has w ~ x^(8/11) for an elastic ridge, x being the
+distance to where the strip ends. How near whole runs come to it: tests/predictions.
 """
 
 import functools
@@ -35,6 +33,21 @@ def film(thickness):
     return sc.ShellMaterial.homogeneous(young=1678.0, poisson=0.3, thickness=thickness)
 
 
+def sheet(size, breadth, width, length, beside=1e-6):
+    """Return a sheet, a support of its rim, and the nodes of the end of a flap in its middle."""
+    mesh = from_zero(rectangle(length, width, size=size))
+    x, y = mesh.nodes[:, 0], np.abs(mesh.nodes[:, 1])
+    at_start, rim = x < 1e-9, (x > length - 1e-9) | (y > y.max() - 1e-9)
+    rim |= at_start & (y > 0.5 * breadth + 1e-6)
+    end = np.flatnonzero(at_start & (y < 0.5 * breadth - beside)).tolist()
+    return mesh, sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz"), end
+
+
+def notch_both(sim, breadth, notch):
+    for side in (-0.5, 0.5):
+        sim.notch((-1.0, side * breadth, 0.0), (notch, side * breadth, 0.0))
+
+
 def pulled_up(
     size,
     breadth,
@@ -47,27 +60,19 @@ def pulled_up(
     quasi_static=None,
 ):
     """A flap of some breadth in a sheet; its end moves straight up, and along as it likes."""
-    mesh = from_zero(rectangle(length, breadth + 2.0 * margin, size=size))
-    x, y = mesh.nodes[:, 0], np.abs(mesh.nodes[:, 1])
-    at_start, flap = x < 1e-9, y < 0.5 * breadth - 1e-6
-    rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
+    mesh, held, end = sheet(size, breadth, breadth + 2.0 * margin, length)
     rise = RISE * SPEED / speed
     rate = {"z": lambda time: speed * min(1.0, time / rise)}
-    end = np.flatnonzero(at_start & flap).tolist()
     sim = sc.Simulation(
         mesh,
         film(thickness),
-        supports=[
-            sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz"),
-            sc.Support(end, translation="yz", rotation="", velocity=rate),
-        ],
+        supports=[held, sc.Support(end, translation="yz", rotation="", velocity=rate)],
         law=law,
         fracture=sc.Fracture(path="free", check_every=20),
         damping_alpha=50.0,
         quasi_static=quasi_static,
     )
-    for side in (-0.5, 0.5):
-        sim.notch((-1.0, side * breadth, 0.0), (notch, side * breadth, 0.0))
+    notch_both(sim, breadth, notch)
     return sim
 
 
@@ -114,24 +119,19 @@ def test_two_tears_that_converge_pinch_the_strip_off():
 def fold_at_rest(size, breadth, width=18.0, notch=8.0, length=16.0, tolerance=1e-3):
     """Return a flap that hangs upright by F = 2 G h, its energy less the load's, and F."""
     load = 2.0 * SHORT.fracture_energy * THICKNESS
-    mesh = from_zero(rectangle(length, width, size=size))
-    x, y = mesh.nodes[:, 0], np.abs(mesh.nodes[:, 1])
-    at_start = x < 1e-9
-    rim = (x > length - 1e-9) | (y > y.max() - 1e-9) | (at_start & (y > 0.5 * breadth + 1e-6))
-    end = np.flatnonzero(at_start & (y < 0.5 * breadth - 0.5 * size)).tolist()
+    mesh, held, end = sheet(size, breadth, width, length, 0.5 * size)
     sim = sc.Simulation(
         mesh,
         film(THICKNESS),
-        supports=[sc.Support(np.flatnonzero(rim).tolist(), rotation="xyz")],
+        supports=[held],
         loads=[sc.NodalForce(end, (0.0, 0.0, load / len(end)))],
         law=sc.CohesiveLaw(strength=1e4),
         fracture=sc.Fracture(path="free"),
     )
-    for side in (-0.5, 0.5):
-        sim.notch((-1.0, side * breadth, 0.0), (notch, side * breadth, 0.0))
+    notch_both(sim, breadth, notch)
     # Round a quarter of a circle, then straight up.
-    node, sheet, radius = sim.state.node, sim.shell.reference, 0.8
-    middle = sheet.x[sheet.quads].mean(axis=1)
+    node, flat, radius = sim.state.node, sim.shell.reference, 0.8
+    middle = flat.x[flat.quads].mean(axis=1)
     flap = (np.abs(middle[:, 1]) < 0.5 * breadth) & (middle[:, 0] < notch)
     ids = np.unique(sim.state.quads[flap])
     s = np.maximum(notch - node.X[ids, 0], 0.0)

@@ -1,9 +1,8 @@
 """A blade that crosses an earlier cut gives the film its tearing energy all the same.
 
 A strip is cut through to its end, across a slit that runs in from the clamped border. Then all
-cables are broken but those of tears, and their work is G h times the length of the cut. A slit that
-crosses rows anywhere leaves slivers, corners and closed tips next to the blade: a flap caught on
-the wrong side of it takes many times the work.
+cables are broken but those of tears, and their work is G h times the length of the cut. A flap
+caught on the wrong side of the blade takes many times the work.
 """
 
 import numpy as np
@@ -17,11 +16,9 @@ from shellcut.mesh.structured import rectangle
 LENGTH, WIDTH, SIZE, NOTCH, SLIT = 12.0, 6.4, 0.8, 2.0, 6.3
 
 
-@pytest.mark.parametrize(
-    ("angle", "amount", "seed"), [(90.0, 0.0, 0), (90.0, 0.2, 1), (45.0, 0.2, 2)]
-)
-def test_a_cut_across_an_earlier_one_takes_the_tearing_energy(angle, amount, seed):
-    mesh = moved(rectangle(LENGTH, WIDTH, size=SIZE), "random", amount, SIZE, seed)
+@pytest.mark.parametrize(("angle", "seed"), [(90.0, 1), (45.0, 2)])
+def test_a_cut_across_an_earlier_one_takes_the_tearing_energy(angle, seed):
+    mesh = moved(rectangle(LENGTH, WIDTH, size=SIZE), "random", 0.2, SIZE, seed)
     law = sc.CohesiveLaw(opening_a=0.2, opening_p=0.5, opening_u=1.0)
     sim = sc.guillotine(
         mesh=mesh, notch=NOTCH, travel=LENGTH, law=law, fracture=sc.Fracture(path="free")

@@ -1,10 +1,4 @@
-"""Cracks through the quads of a film under pressure.
-
-What holds a cylinder together across a trial cut is its hoop tension. A strip that pressure bends
-strongly releases at a tip what a longer crack would. A blade cuts a strip that pressure bends
-aside, and a pressurised cylinder tears from a slit until it has burst: the energies balance, and
-the cables have taken their tearing energy.
-"""
+"""Cracks through the quads of a film under pressure: what is released, and what the cables take."""
 
 import numpy as np
 import pytest
@@ -12,6 +6,7 @@ import pytest
 import shellcut as sc
 from courses import course, largest_share
 from curved_films import moved
+from films import free_film
 from naive import trial_cut
 from shellcut.fracture.crack_path import CrackPath
 from shellcut.fracture.cut_film import CutFilm
@@ -28,14 +23,7 @@ def slit_cylinder(notch, rise, **options):
     """A cylinder whose ends slide in their planes, with a slit along it through its quads."""
     mesh = cylinder(RADIUS, 14.0, n_around=N_AROUND, n_along=14)
     ends = [sc.Support(name, translation="y", rotation="") for name in ("bottom", "top")]
-    sim = sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=ends,
-        law=sc.CohesiveLaw(**SHORT_LAW),
-        fracture=sc.Fracture(path="free"),
-        **options,
-    )
+    sim = free_film(mesh, supports=ends, law=sc.CohesiveLaw(**SHORT_LAW), **options)
     # Between two columns of nodes, at ``rise`` of the side.
     a, b = mesh.nodes[mesh.quads[0, 0]], mesh.nodes[mesh.quads[0, 1]]
     start = a + rise * (b - a)

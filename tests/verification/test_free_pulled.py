@@ -10,6 +10,7 @@ import pytest
 import shellcut as sc
 from courses import course
 from curved_films import moved
+from films import free_film
 from shellcut.mesh.structured import rectangle
 from shellcut.models.guillotine import blade_before
 
@@ -32,9 +33,8 @@ def pulled_strip(shift):
     mesh = mesh.with_sets(node_sets={"end": end})
     law = sc.CohesiveLaw(opening_a=0.1, opening_p=0.3, opening_u=0.6)
     blade, motion, _ = blade_before(mesh, None, travel=LENGTH, speed=SPEED, law=law)
-    sim = sc.Simulation(
+    sim = free_film(
         mesh,
-        sc.ShellMaterial.homogeneous(),
         supports=[
             sc.Support("bottom", velocity={"y": pulling(-15.0)}),
             sc.Support("top", velocity={"y": pulling(15.0)}),
@@ -43,14 +43,13 @@ def pulled_strip(shift):
         tool=blade,
         motion=motion,
         law=law,
-        fracture=sc.Fracture(path="free"),
     )
     start = mesh.nodes[:, 0].min()
     sim.notch((start - 1.0, 1e-7, 0.0), (start + 1.6, 1e-7, 0.0))
     return sim
 
 
-@pytest.mark.parametrize("shift", [0.0, 0.3])
+@pytest.mark.parametrize("shift", [0.0, 0.3])  # on a line of the mesh, and off it
 def test_work_goes_into_the_crack(shift):
     sim = pulled_strip(shift)
     names = "tool_work", "imbalance", "put_in"

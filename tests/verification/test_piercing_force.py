@@ -21,15 +21,23 @@ DURATION = 6e-3
 F_P = puncture_force(ShellMaterial.homogeneous(), CohesiveLaw())
 
 
-def pierced(thickness, duration, mesh="quick"):
-    """Return the record of the first piercing of a film, 95 degrees in a duration [s]."""
-    film = ShellMaterial.homogeneous(thickness=thickness)
-    tool = tooth_ring(tip_clearance=0.02)
-    sim = opening_test(mesh, material=film, tool=tool, duration=duration).simulation
+def first_split(duration, film="quick", clearance=0.02, **options):
+    """Return the axial forces of the teeth in the step before a tip pierces [N], and the record.
+
+    duration : of 95 degrees [s].
+    """
+    tool = tooth_ring(tip_clearance=clearance)
+    sim = opening_test(film, tool=tool, duration=duration, **options).simulation
     while not sim.state.split_log:
+        force = np.abs(sim.terms.wrench[:, 2])
         sim.step()
         assert sim.state.time < 0.15 * duration
-    return sim.state.split_log[0]
+    return force, sim.state.split_log[0]
+
+
+def pierced(thickness, duration):
+    """Return the record of the first piercing of a film."""
+    return first_split(duration, material=ShellMaterial.homogeneous(thickness=thickness))[1]
 
 
 def judged(record):
@@ -39,31 +47,12 @@ def judged(record):
     return line.kind, float(slower or 1.0)
 
 
-def first_split(film, path, clearance, slower=1.0, **options):
-    """Return the axial forces of the teeth in the step before a tip pierces [N], and the record."""
-    case = opening_test(
-        film,
-        fracture=Fracture(path=path, **options),
-        tool=tooth_ring(tip_clearance=clearance),
-        duration=slower * DURATION,
-    )
-    sim = case.simulation
-    while not sim.state.split_log:
-        force = np.abs(sim.terms.wrench[:, 2])
-        sim.step()
-        assert sim.state.time < 0.1 * slower * DURATION
-    return force, sim.state.split_log[0]
-
-
 @pytest.mark.parametrize(
     ("film", "path", "clearance", "slower"),
     [
         ("quick", "free", 0.0, 1.0),
-        ("quick", "free", 0.02, 1.0),
         ("quick", "free", 0.04, 1.0),
-        ("quick", "edges", 0.0, 1.0),
         ("quick", "edges", 0.02, 1.0),
-        ("quick", "edges", 0.04, 1.0),
         ("quick", "free", 0.02, 0.5),
         ("quick", "free", 0.02, 3.0),
         ("raw", "free", 0.02, 1.0),
@@ -71,7 +60,8 @@ def first_split(film, path, clearance, slower=1.0, **options):
 )
 def test_a_tip_pierces_at_its_force(film, path, clearance, slower):
     film = unstructured_disc() if film == "raw" else film
-    force, record = first_split(film, path, clearance, slower)
+    fracture = Fracture(path=path)
+    force, record = first_split(slower * DURATION, film, clearance, fracture=fracture)
     assert record.kind == "puncture"
     # Forces are looked at every ten steps.
     assert 1.0 <= record.measure < 1.06
@@ -129,13 +119,6 @@ def test_a_tip_too_fast_is_told_how_slow_to_go():
     again = pierced(0.02, slower * 1.5e-3)
     assert judged(again)[0] == "good"
     assert again.work == pytest.approx(work, rel=0.20)
-
-
-def test_a_force_of_ones_own_takes_its_place():
-    force, record = first_split("quick", "free", 0.02, puncture_force=0.2)
-    # At half the force it grows by 0.7 % a step, and is looked at every ten.
-    assert 1.0 <= record.measure < 1.1
-    assert force.max() == pytest.approx(0.2, rel=0.1)
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.02, 0.05, 0.1, 0.2])

@@ -9,10 +9,6 @@ advance and the half of the wedge, 12 degrees, that has come by there,
 With A(l), the area below the law, four teeth then take the power
 
     P = 1.1173 · 4 h A(l) + rate of the film's energy,    s from where the first tip pierces.
-
-The axial force is 4 % of this power. It depends on how the film folds before the teeth: flaps of
-0.2 to 0.4 mm, which straight chords of larger quads cannot fold (1.3 to 3 N on quads of 0.2 to 0.8
-mm).
 """
 
 from itertools import pairwise
@@ -40,9 +36,8 @@ def courses(film):
         return 1.9099 * angle - 0.02
 
     def deep(one):
-        return (
-            depth(one.motion.coordinate(one.state.time)) > DEPTHS[-1] and one.state.step % 20 == 0
-        )
+        deep = depth(one.motion.coordinate(one.state.time)) > DEPTHS[-1]
+        return deep and one.state.step % 20 == 0
 
     way, work, *energies = course(sim, deep, "tool_work", "strain", "kinetic", every=20)
     pierced = depth(sim.motion.coordinate(sim.state.split_log[0].time))

@@ -4,14 +4,13 @@ Borders move at given velocities from a state in which all moves homogeneously a
 shock starts from them.
 """
 
-from functools import cache
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
 import shellcut as sc
-from films import shaken, three_quads_a_triangle
+from films import free_film, shaken, three_quads_a_triangle
 from shellcut.mesh.structured import rectangle
 from shellcut.state import BROKEN
 
@@ -20,9 +19,7 @@ SPEED = 4000.0  # mm/s, of each end
 THICKNESS = 0.074
 
 
-def _moving(
-    mesh: sc.Mesh, criterion: str, rim: np.ndarray, gradient: np.ndarray, centre: np.ndarray
-) -> sc.Simulation:
+def _moving(mesh, criterion, rim, gradient, centre):
     """Return a film that starts with v = gradient (X - centre), as its border keeps moving."""
     velocity = (mesh.nodes - centre) @ gradient.T
     supports = [
@@ -35,20 +32,15 @@ def _moving(
         )
         for node in rim.tolist()
     ]
-    return sc.Simulation(
+    return free_film(
         mesh,
-        sc.ShellMaterial.homogeneous(),
         supports=supports,
         velocity=velocity,
-        law=sc.CohesiveLaw(),
         fracture=sc.Fracture(path="edges", criterion=criterion, check_every=1),
     )
 
 
-# ------------------------------------------------------------------------------- the notched strip
-
-
-def _strip(criterion: str, jitter: float) -> sc.Simulation:
+def _strip(criterion, jitter):
     flat = rectangle(LENGTH, WIDTH, size=0.5)
     mesh = shaken(flat, jitter, seed=0)
     middle = flat.nodes_where(lambda x, y, z: np.abs(y) < 1e-9)
@@ -59,8 +51,7 @@ def _strip(criterion: str, jitter: float) -> sc.Simulation:
     return _moving(mesh, criterion, rim, gradient, np.zeros(3))
 
 
-@cache
-def _torn(criterion: str, jitter: float) -> tuple[sc.Simulation, float]:
+def _torn(criterion, jitter):
     """Pull the strip apart; return it and the largest unloading of a cable meanwhile [mm].
 
     But of the one at the far border: its node parts with the last side, before it is due, so that
@@ -80,29 +71,21 @@ def _torn(criterion: str, jitter: float) -> tuple[sc.Simulation, float]:
 
 @pytest.mark.parametrize("jitter", [0.0, 0.1])
 @pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_a_strip_tears_straight_across(criterion: str, jitter: float) -> None:
-    sim, _ = _torn(criterion, jitter)
+def test_a_strip_tears_straight_across_and_takes_its_fracture_energy(criterion, jitter):
+    sim, unloading = _torn(criterion, jitter)
     path = np.array([split.reference for split in sim.state.split_log])
     # One side after the other, from the notch to the far side, and no second crack.
     assert (np.diff(path[:, 0]) > 0.0).all()
     assert path[0, 0] == pytest.approx(NOTCH, abs=2.0 * jitter)
     assert path[-1, 0] == pytest.approx(LENGTH - 0.5, abs=jitter)
     assert sim.state.crack_length >= LENGTH - path[0, 0]
-    assert sim.cracks is not None
     assert sim.cracks.tips == []
     # The row of the notch, exactly; on the jittered mesh its nodes lie within the jitter of it,
     # and the mean direction within 2 degrees (what a jitter of 0.1 over 4.5 mm leaves).
     assert np.abs(path[:, 1]).max() <= jitter
     slope = np.polyfit(path[:, 0], path[:, 1], 1)[0]
     assert abs(np.degrees(np.arctan(slope))) < 2.0
-
-
-@pytest.mark.parametrize("jitter", [0.0, 0.1])
-@pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_the_tear_takes_fracture_energy_times_area(criterion: str, jitter: float) -> None:
-    sim, unloading = _torn(criterion, jitter)
     c, n = sim.state.cable, sim.state.n_cable
-    assert sim.law is not None
     energy = sim.law.fracture_energy
     # All cables have broken, each with G A: trapezoidal sums, measured 3e-6 off at most.
     assert (c.status[:n] == BROKEN).all()
@@ -122,16 +105,13 @@ def test_the_tear_takes_fracture_energy_times_area(criterion: str, jitter: float
     assert abs(sim.ledger.imbalance) < 2e-4 * sim.ledger.put_in
 
 
-# ------------------------------------------------------- a sheet whose rim is pulled at any angle
-
 SIDE = 8.0  # mm
 
 
-def _eight_ways(jitter: float) -> sc.Mesh:
+def _eight_ways(jitter):
     """Return squares parted by both diagonals into triangles, each into three quads.
 
-    Straight lines of edges run at 0, 45, 90 and 135 degrees through every corner of the squares,
-    so that a crack has somewhere to turn; corners off their places by ``jitter`` at most.
+    Lines of edges run at 0, 45, 90 and 135 degrees, so that a crack has somewhere to turn.
     """
     n = 8
     shake = np.random.default_rng(0).uniform(-jitter, jitter, (n + 1, n + 1, 2))
@@ -148,26 +128,15 @@ def _eight_ways(jitter: float) -> sc.Mesh:
     return sc.Mesh.from_arrays(nodes, quads)
 
 
-@cache
-def _crack_angle(criterion: str, pull_deg: float) -> float:
-    """Return the angle of the crack [degrees] in a sheet drawn out at ``pull_deg`` to the y axis.
-
-    The border moves so that the strain is uniaxial: the normal of sigma_I lies at ``pull_deg`` to
-    x.
-    """
+def _crack_angle(criterion, pull_deg):
+    """Return the angle of the crack [degrees] in a sheet in uniaxial strain at an angle to y."""
     mesh = _eight_ways(0.1)
     # A notch of two squares' sides along x, in the middle; both its ends are tips.
     on_line = [4 * 9 + 3, 4 * 9 + 4, 4 * 9 + 5]  # corners of the fourth row
-    edges = {tuple(e) for e in mesh.edges().nodes.tolist()}
     notch = [on_line[0]]
-    for a, b in pairwise(on_line):
-        (half,) = (
-            m
-            for m in range(mesh.n_node)
-            if {tuple(sorted((a, m))), tuple(sorted((m, b)))} <= edges
-            and np.allclose(mesh.nodes[m], 0.5 * (mesh.nodes[a] + mesh.nodes[b]))
-        )
-        notch += [half, b]
+    for ends in pairwise(on_line):
+        middle = mesh.nodes[list(ends)].mean(axis=0)
+        notch += [int(np.linalg.norm(mesh.nodes - middle, axis=1).argmin()), ends[1]]
     rim = mesh.boundary_nodes()
     angle = np.radians(pull_deg)
     pull = np.array([-np.sin(angle), np.cos(angle), 0.0])
@@ -181,11 +150,11 @@ def _crack_angle(criterion: str, pull_deg: float) -> float:
 
 
 @pytest.mark.parametrize("criterion", ["force", "stress"])
-def test_a_crack_runs_normal_to_the_largest_stress(criterion: str) -> None:
-    pulls = np.array([-30.0, 0.0, 15.0, 30.0, 45.0])
+def test_a_crack_runs_normal_to_the_largest_stress(criterion):
+    pulls = np.array([-30.0, 0.0, 45.0])
     angles = np.array([_crack_angle(criterion, pull) for pull in pulls])
-    # Allowed by the mesh: half the angle between its lines, 22.5 degrees. Measured -28, 0, 20, 33,
-    # 33 degrees ("force") and -23, 0, 22, 22, 33 ("stress"): up to 12 off, 4 to 7 in the mean.
+    # Allowed by the mesh: half the angle between its lines, 22.5 degrees. Measured -28, 0, 33
+    # degrees ("force") and -23, 0, 33 ("stress").
     assert (np.abs(angles - pulls) < 22.5).all()
     assert np.abs(angles - pulls).mean() < 10.0
     # Along a line of the mesh it is found; and the crack turns with the pull, never against it.

@@ -1,14 +1,10 @@
 """Two-point tearing: a free sheet is torn by pulling two points of its notched edge apart.
 
-The sheet hardly stretches and bends easily, so that A, the tip T and B come to lie on a line. With
-the unit vectors u_A and u_B from the points to the tip, in the flat sheet, an advance by ds along e
-lets the points part by (u_A + u_B) · e ds. Hence the force on the tip is
-J = F (u_A + u_B). In an isotropic film the crack runs along u_A + u_B, on a hyperbola with the foci
-A and B, at F = G h / |u_A + u_B|; with G(theta) it runs where G(theta) / cos(theta - theta_T) is
-least. Corrections are of the order of sqrt(D / (G h)) / |TA|, 2 per cent here.
-
-The slow tests compare the force, too; the quick ones, on large quads and at high speed, the path of
-the crack alone.
+A, the tip T and B come to lie on a line. With the unit vectors u_A and u_B from the points to the
+tip, in the flat sheet, the force on the tip is J = F (u_A + u_B). In an isotropic film the crack
+runs along u_A + u_B, on a hyperbola with the foci A and B, at F = G h / |u_A + u_B|; with G(theta)
+where G(theta) / cos(theta - theta_T) is least. Corrections are of the order of sqrt(D / (G h)) /
+|TA|, 2 per cent here. The quick tests, on large quads at high speed, compare the path alone.
 """
 
 from typing import NamedTuple
@@ -17,6 +13,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import recorded
 from films import from_zero, shaken
 from shellcut.mesh.structured import rectangle
 
@@ -51,10 +48,14 @@ def pulled(sheet):
     mesh = shaken(mesh, 1.0, size=sheet.moved * sheet.size)
     X = mesh.nodes
     ends = [int(np.argmin(np.hypot(X[:, 0], X[:, 1] - y))) for y in (sheet.a, sheet.b)]
-    supports = []
-    for end, way in zip(ends, (1.0, -1.0), strict=True):
-        rate = {"z": lambda time, v=way * sheet.speed: v * min(1.0, time / RISE)}
-        supports.append(sc.Support([end], rotation="", velocity=rate))
+
+    def rate(speed):
+        return {"z": lambda time: speed * min(1.0, time / RISE)}
+
+    rates = rate(sheet.speed), rate(-sheet.speed)
+    supports = [
+        sc.Support([end], rotation="", velocity=v) for end, v in zip(ends, rates, strict=True)
+    ]
     sim = sc.Simulation(
         mesh,
         sc.ShellMaterial.homogeneous(thickness=sheet.thickness),
@@ -69,13 +70,15 @@ def pulled(sheet):
 
 def torn(sim, ends, far):
     """Tear; return crack, distance of the points and work of the supports in time."""
-    rows = []
-    while sim.state.time < 0.1 and sim.state.crack_length < far:
-        sim.step()
-        if sim.state.step % 50 == 0:
-            a, b = sim.state.node.x[ends]
-            rows.append((sim.state.crack_length, np.linalg.norm(a - b), sim.ledger.support_work))
-    return np.array(rows).T
+
+    def read(sim):
+        a, b = sim.state.node.x[ends]
+        return sim.state.crack_length, np.linalg.norm(a - b), sim.ledger.support_work
+
+    def ended(sim):
+        return sim.state.time >= 0.1 or sim.state.crack_length >= far
+
+    return recorded(sim, ended, read, every=50)
 
 
 def sum_of_ways(sheet, T):

@@ -9,7 +9,7 @@ import numpy as np
 differ = []
 with h5py.File(sys.argv[1]) as one, h5py.File(sys.argv[2]) as other:
 
-    def compare(name: str, item: h5py.HLObject) -> None:
+    def compare(name, item):
         """Compare one data set with its like."""
         if isinstance(item, h5py.Dataset):
             a, b = np.asarray(item), np.asarray(other[name]) if name in other else None
@@ -17,6 +17,6 @@ with h5py.File(sys.argv[1]) as one, h5py.File(sys.argv[2]) as other:
                 differ.append(name)
 
     one.visititems(compare)
-    missing: list[str] = []
+    missing = []
     other.visit(lambda name: missing.append(name) if name not in one else None)
 print(json.dumps({"differ": differ + missing}))

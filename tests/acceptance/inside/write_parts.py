@@ -12,7 +12,7 @@ from shellcut.tool.shapes import tooth_ring
 SPACING = 1.3  # mm, of the triangles that the quads are made of
 
 
-def write_inside_out(path: Path) -> None:
+def write_inside_out(path):
     """Write the ring of four teeth with every normal turned inwards."""
     tool = tooth_ring(n_teeth=4)
     lines = ["solid cap"]
@@ -23,7 +23,7 @@ def write_inside_out(path: Path) -> None:
     path.write_text("\n".join([*lines, "endsolid cap", ""]))
 
 
-def main(folder: Path) -> None:
+def main(folder):
     """Write all of them."""
     write_inside_out(folder / "cap.stl")
     disc = unstructured_disc(spacing=SPACING)

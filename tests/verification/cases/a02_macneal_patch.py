@@ -15,79 +15,50 @@ t / L = 1/240 some 10 (L / t)² of 2e-16.
 
 import numpy as np
 
-from cases.a01_patch_test import (
-    bending_field,
-    edge_forces,
-    edge_moments,
-    farthest,
-    linear_stress,
-    membrane_field,
-    plane_stress,
-    star,
-    supported,
-    zero,
-)
-from harness import Check
-from shellcut import ShellMaterial, Statics, Support
-
-ID, TITLE, FAST = "A02", "MacNeal-Harder patch", True
+from cases import a01_patch_test as patch
+from cases.a01_patch_test import farthest, round_off
+from harness import Check, case
+from shellcut import Mesh, ShellMaterial, Statics, Support
 
 YOUNG, POISSON, THICKNESS = 1e6, 0.25, 0.001
 CORNERS = [(0.0, 0.0), (0.24, 0.0), (0.24, 0.12), (0.0, 0.12)]
 INNER = [(0.04, 0.02), (0.18, 0.03), (0.16, 0.08), (0.08, 0.08)]
 STRAIN = np.array([[1.0, 0.5], [0.5, 1.0]]) * 1e-3  # in bending the curvature
 MATERIAL = ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, thickness=THICKNESS)
-MESH = star(CORNERS, INNER)
+MESH = Mesh.from_arrays([*CORNERS, *INNER], patch.QUADS)
 
 
-def components(stress: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return for x, y, xy the least and the largest value over the quads."""
-    places = {"x": (0, 0), "y": (1, 1), "xy": (0, 1)}
-    return {k: (stress[:, i, j].min(), stress[:, i, j].max()) for k, (i, j) in places.items()}
+def stress_rows(name, stress, exact):
+    for part, i, j in (("x", 0, 0), ("y", 1, 1), ("xy", 0, 1)):
+        worst = max(stress[:, i, j], key=lambda one, value=exact[part]: abs(one - value))
+        yield Check(f"{name} {part}, worst quad", exact[part], worst, 1e-10, "patch test")
 
 
-def stress_rows(name: str, stress: np.ndarray, exact: dict[str, float]) -> list[Check]:
-    rows = []
-    for part, (least, largest) in components(stress).items():
-        value = exact[part]
-        worst = least if abs(least - value) > abs(largest - value) else largest
-        rows.append(Check(f"{name} {part}, worst quad", value, worst, 1e-10, "patch test"))
-    return rows
-
-
-def checks() -> list[Check]:
-    stress = plane_stress(STRAIN, YOUNG, POISSON)
-    model = Statics(MESH, MATERIAL, supports=supported(), loads=edge_forces(THICKNESS * stress))
+@case("A02", "MacNeal-Harder patch")
+def a02():
+    modulus, nu = YOUNG / (1 - POISSON**2), POISSON
+    stress = modulus * ((1 - nu) * STRAIN + nu * STRAIN.trace() * np.eye(2))
+    loads = patch.edge_forces(THICKNESS * stress)
+    model = Statics(MESH, MATERIAL, supports=patch.supported(), loads=loads)
     u, spin = model.linear()
-    rows = stress_rows(
-        "membrane stress",
-        linear_stress(model, u, spin, "mid", 3.0),
-        {"x": 4000.0 / 3.0, "y": 4000.0 / 3.0, "xy": 400.0},
-    )
-    rows.append(
-        zero("membrane, displacement by nodal forces", farthest(u, membrane_field(MESH, STRAIN)))
-    )
+    found = patch.linear_stress(model, u, spin, "mid", 3.0)
+    exact = {"x": 4000.0 / 3.0, "y": 4000.0 / 3.0, "xy": 400.0}
+    yield from stress_rows("membrane stress", found, exact)
+    off = farthest(u, patch.membrane_field(MESH, STRAIN))
+    yield round_off("membrane, displacement by nodal forces", off)
 
     field = np.zeros((MESH.n_node, 3))
     field[:, :2] = MESH.nodes[:, :2] @ STRAIN
     held = Statics(MESH, MATERIAL, supports=[Support.clamped([0, 1, 2, 3])])
     held.state.node.x[:4] += field[:4]
-    found = held.load_steps([1.0])[-1].displacement
-    rows.append(zero("membrane, inner nodes by prescribed boundary", farthest(found, field)))
+    off = farthest(held.load_steps([1.0])[-1].displacement, field)
+    yield round_off("membrane, inner nodes by prescribed boundary", off)
 
-    model = Statics(
-        MESH,
-        MATERIAL,
-        supports=supported(),
-        loads=edge_moments(MESH, -(THICKNESS**3) / 12.0 * stress),
-    )
+    loads = patch.edge_moments(MESH, -(THICKNESS**3) / 12.0 * stress)
+    model = Statics(MESH, MATERIAL, supports=patch.supported(), loads=loads)
     u, spin = model.linear()
-    rows += stress_rows(
-        "surface stress",
-        linear_stress(model, u, spin, "bottom", 30.0),
-        {"x": 2.0 / 3.0, "y": 2.0 / 3.0, "xy": 0.2},
-    )
-    w, turned = bending_field(MESH, STRAIN)
-    rows.append(zero("bending, deflection by nodal moments", farthest(u, w)))
-    rows.append(zero("bending, spin by nodal moments", farthest(spin, turned)))
-    return rows
+    found = patch.linear_stress(model, u, spin, "bottom", 30.0)
+    yield from stress_rows("surface stress", found, {"x": 2.0 / 3.0, "y": 2.0 / 3.0, "xy": 0.2})
+    w, turned = patch.bending_field(MESH, STRAIN)
+    yield round_off("bending, deflection by nodal moments", farthest(u, w))
+    yield round_off("bending, spin by nodal moments", farthest(spin, turned))

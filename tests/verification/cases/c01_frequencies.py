@@ -1,22 +1,23 @@
 """Frequencies of flat plates and membranes: circular C01 and C03, square C04, C05, C06, C09.
 
+Plates: nu = 0.3, side or radius a = 1000 h. Read: omega a² sqrt(rho h / D), of squares the first
+six.
+
 Band: the kind of error is that of the mesh. A mode of wave number k on quads of side s has, by the
 one-dimensional analysis of a linear shear beam without locking on lumped mass, an error of
 (k s)² / 24 in its frequency; three times as much is allowed, and 2e-4 for the digits of the tables
 and what shear and rotary inertia take at a / h = 1000. The observed order must be 2.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.special import iv, jv
 
 from cases.paths import order_curve
-from harness import Case, Check, case
-from patches import mapped_patch
-from shellcut import Mesh, ShellMaterial, Support
+from harness import Check, case, zero
+from patches import spacing
+from shellcut import ShellMaterial, Support
 from shellcut.mesh.structured import disc, rectangle
-from shellcut.statics.statics import Modes, Statics
+from shellcut.statics.statics import Statics
 
 SIDE = RADIUS = 100.0
 MATERIAL = ShellMaterial.homogeneous(young=1000.0, poisson=0.3, density=1e-9, thickness=1e-3 * SIDE)
@@ -27,24 +28,24 @@ ERROR = "relative error of the first frequency"
 OVER_RADIUS = "side of a quad over the radius, s / a", ERROR
 
 
-def mesh_band(wave_number: float, size: float) -> float:
+def mesh_band(wave_number, size):
     """Return the allowed relative error of a frequency."""
     return (wave_number * size) ** 2 / 8.0 + TABLE_DIGITS
 
 
-def observed_order(error: list[float]) -> float:
+def observed_order(error):
     """Return the order of the last halving of the mesh."""
     return float(np.log2(abs(error[-2] / error[-1])))
 
 
-def unit(length: float, material: ShellMaterial) -> float:
+def unit(length, material):
     """Return sqrt(D / rho h) / length² of a thin plate [rad/s]."""
     m = material.layers[0].material
     stiffness = m.young * material.thickness**3 / (12.0 * (1.0 - m.poisson**2))
     return float(np.sqrt(stiffness / (m.density * material.thickness)) / length**2)
 
 
-def likest(mesh: Mesh, modes: Modes, radial: np.ndarray, n: int) -> float:
+def likest(mesh, modes, radial, n):
     """Return the frequency [Hz] of the mode most like radial(r) cos n(phi - phi_0)."""
     x, y = mesh.nodes[:, 0], mesh.nodes[:, 1]
     angle = np.arctan2(y, x)
@@ -55,39 +56,26 @@ def likest(mesh: Mesh, modes: Modes, radial: np.ndarray, n: int) -> float:
     return float(modes.frequency[likeness.argmax()])
 
 
-def spacing(mesh: Mesh) -> float:
-    return float(np.sqrt(mesh.quad_areas().mean()))
-
-
-def disc_rows(
-    of: Case,
-    quantity: str,
-    exact: dict[int, list[float]],
-    wave: Callable[[float], float],
-    parameters: Callable[[int], tuple[dict[tuple[int, int], float], float]],
-) -> list[Check]:
+def disc_rows(of, quantity, exact, wave, parameters):
     """Compare modes (n, s) on two meshes with exact parameters; wave : k a of one of these."""
-    rows, error, sizes = [], [], []
+    error, sizes = [], []
     for n_side in MESHES:
         ours, size = parameters(n_side)
         for (n, s), one in ours.items():
             value = exact[n][s]
             band = mesh_band(wave(value) / RADIUS, size)
-            rows.append(
-                Check(f"{quantity}, n = {n}, s = {s}, n_side = {n_side}", value, one, band, WHY)
-            )
+            yield Check(f"{quantity}, n = {n}, s = {s}, n_side = {n_side}", value, one, band, WHY)
         error.append(ours[0, 0] / exact[0][0] - 1.0)
         sizes.append(size / RADIUS)
     of.CURVES["mode 1"] = order_curve(sizes, error)
     order = observed_order(error) / np.log2(sizes[0] / sizes[1])
-    rows.append(Check("order, mode 1, n_side = 16 to 32", 2.0, order, 0.3, "order", absolute=True))
-    return rows
+    yield Check("order, mode 1, n_side = 16 to 32", 2.0, order, 0.3, "order", absolute=True)
 
 
 CLAMPED = {0: [10.21583, 39.77115, 89.10414], 1: [21.2604, 60.82867, 120.07924]}
 
 
-def clamped_disc(n_side: int) -> tuple[dict[tuple[int, int], float], float]:
+def clamped_disc(n_side):
     """Return lambda² of the modes (n, s), and the spacing."""
     mesh = disc(RADIUS, n_side=n_side)
     modes = Statics(mesh, MATERIAL, supports=[Support.clamped("rim")]).modes(40)
@@ -103,12 +91,10 @@ def clamped_disc(n_side: int) -> tuple[dict[tuple[int, int], float], float]:
 
 
 @case("C01", "Clamped circular plate, frequencies", axes=OVER_RADIUS)
-def c01() -> list[Check]:
-    """C01 Circular thin plate, clamped: natural frequencies.
-
-    Radius a, nu = 0.3, a / h = 1000. Read: lambda² = omega a² sqrt(rho h / D) of the modes with n
-    nodal diameters and s nodal circles, found by their likeness to the exact shape
-    J_n(k r) - J_n(k a) / I_n(k a) I_n(k r).
+def c01():
+    """Radius a, nu = 0.3, a / h = 1000. Read: lambda² = omega a² sqrt(rho h / D) of the modes with
+    n nodal diameters and s nodal circles, found by their likeness to the exact shape J_n(k r) -
+    J_n(k a) / I_n(k a) I_n(k r).
 
     Source: exact, J_n I_n' - I_n J_n' = 0 (Leissa, NASA SP-160). Band: s the mean spacing.
     """
@@ -127,7 +113,7 @@ ZEROS = {
 }
 
 
-def stretched_disc(n_side: int) -> tuple[dict[tuple[int, int], float], float]:
+def stretched_disc(n_side):
     """Return k of the modes (n, s), and the spacing."""
     mesh = disc(RADIUS, n_side=n_side)
     film = Statics(mesh, TENSE, supports=[Support.pinned("rim")])
@@ -145,10 +131,8 @@ def stretched_disc(n_side: int) -> tuple[dict[tuple[int, int], float], float]:
 
 
 @case("C03", "Circular membrane, frequencies", axes=OVER_RADIUS)
-def c03() -> list[Check]:
-    """C03 Circular membrane under uniform tension: natural frequencies.
-
-    Radius a, a / h = 1e4, stretched by 1 %, border fixed. Read: k = omega a / sqrt(T / m) of the
+def c03():
+    """Radius a, a / h = 1e4, stretched by 1 %, border fixed. Read: k = omega a / sqrt(T / m) of the
     modes with n nodal diameters and s circles, found by their likeness to J_n(k r). With S the
     second Piola-Kirchhoff stress of the stretch, T per present length and m per present area, k is
     omega a / sqrt(S / rho), a of the reference. The border is free to turn: bending then has no
@@ -159,40 +143,25 @@ def c03() -> list[Check]:
     return disc_rows(c03, "k", ZEROS, float, stretched_disc)
 
 
-def square(n: int) -> Mesh:
-    def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        flat = np.zeros((*u.shape, 3))
-        nodes, directors = flat.copy(), flat.copy()
-        nodes[..., 0], nodes[..., 1], directors[..., 2] = SIDE * u, SIDE * v, 1.0
-        return nodes, directors
-
-    return mapped_patch(n, n, place)
-
-
-def plate_parameters(n: int, supports: list[Support], n_mode: int) -> np.ndarray:
+def plate_parameters(n, supports, n_mode):
     """Return omega a² sqrt(rho h / D) of the first modes on n x n quads."""
-    modes = Statics(square(n), MATERIAL, supports=supports).modes(n_mode)
+    square = rectangle(SIDE, SIDE, n_x=n, n_y=n)
+    modes = Statics(square, MATERIAL, supports=supports).modes(n_mode)
     return 2.0 * np.pi * modes.frequency / unit(SIDE, MATERIAL)
 
 
-def square_checks(reference: list[float], supports: list[Support]) -> list[Check]:
+def square_checks(reference, supports):
     """Compare the first modes on two meshes."""
-    rows = []
     for n in MESHES:
         ours = plate_parameters(n, supports, len(reference))
         for k, (value, one) in enumerate(zip(reference, ours, strict=True), start=1):
             band = mesh_band(np.sqrt(value) / SIDE, SIDE / n)
-            rows.append(Check(f"lambda², mode {k}, N = {n}", value, one, band, WHY))
-    return rows
+            yield Check(f"lambda², mode {k}, N = {n}", value, one, band, WHY)
 
 
 DOUBLE_SINE = [np.pi**2 * k for k in (2, 5, 5, 8, 10, 10)]
-HARD = [
-    Support("u0", rotation="xz"),
-    Support("u1", rotation="xz"),
-    Support("v0", rotation="yz"),
-    Support("v1", rotation="yz"),
-]
+TURNS = {"left": "xz", "right": "xz", "bottom": "yz", "top": "yz"}
+HARD = [Support(side, rotation=axes) for side, axes in TURNS.items()]
 
 
 @case(
@@ -200,47 +169,31 @@ HARD = [
     "Square plate SSSS, frequencies",
     axes=("side of a quad over that of the plate, s / a", ERROR),
 )
-def c04() -> list[Check]:
-    """C04 Square thin plate, simply supported: natural frequencies.
-
-    Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six. Hard simple support:
-    no tilt along the edge, as in the double sine.
+def c04():
+    """Hard simple support: no tilt along the edge, as in the double sine.
 
     Source: exact, pi² (m² + n²); the same numbers by Ritz with Legendre polynomials.
     """
-    rows = square_checks(DOUBLE_SINE, HARD)
+    yield from square_checks(DOUBLE_SINE, HARD)
     sizes = (8, 16, 32, 64)
     error = [plate_parameters(n, HARD, 1)[0] / DOUBLE_SINE[0] - 1.0 for n in sizes]
     c04.CURVES["mode 1"] = order_curve([1.0 / n for n in sizes], error)
     order = observed_order(error[:-1])
-    rows.append(Check("order, mode 1, N = 16 to 32", 2.0, order, 0.1, "order", absolute=True))
-    return rows
+    yield Check("order, mode 1, N = 16 to 32", 2.0, order, 0.1, "order", absolute=True)
 
 
 @case("C05", "Square plate CCCC, frequencies")
-def c05() -> list[Check]:
-    """C05 Square thin plate, clamped on all sides: natural frequencies.
-
-    Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
-
-    Source: Ritz with Legendre polynomials 10 x 10, exact to about 0.02 % (Leissa 1973: 35.992, an
-    upper bound).
-    """
+def c05():
+    """Source: Ritz, 10 x 10 Legendre polynomials, to about 0.02 % (Leissa 1973: at most 35.992)."""
     ritz = [35.9852, 73.3939, 73.3939, 108.2165, 131.5808, 132.2049]
-    return square_checks(ritz, [Support.clamped(side) for side in ("u0", "u1", "v0", "v1")])
+    return square_checks(ritz, [Support.clamped(side) for side in TURNS])
 
 
 @case("C06", "Square plate CFFF, frequencies")
-def c06() -> list[Check]:
-    """C06 Square thin plate, one side clamped, the others free: natural frequencies.
-
-    Side a, nu = 0.3, a / h = 1000. Read: omega a² sqrt(rho h / D), first six.
-
-    Source: Ritz with Legendre polynomials 10 x 10, exact to about 0.02 %; Barton 1951 (code_aster
-    SDLS01) has upper bounds 0.2 to 0.6 % higher.
-    """
+def c06():
+    """Source: Ritz, as C05; Barton 1951 (code_aster SDLS01) has bounds 0.2 to 0.6 % higher."""
     ritz = [3.4713, 8.5077, 21.2875, 27.1992, 30.9602, 54.1935]
-    return square_checks(ritz, [Support.clamped("u0")])
+    return square_checks(ritz, [Support.clamped("left")])
 
 
 NAFEMS = [1.622, 2.36, 2.922, 4.19, 4.19, 7.356, 7.356, 7.668]
@@ -248,10 +201,8 @@ LAST_DIGIT = [0.0005, 0.005, 0.0005, 0.005, 0.005, 0.0005, 0.0005, 0.0005]
 
 
 @case("C09", "NAFEMS FV12 free square plate")
-def c09() -> list[Check]:
-    """C09 NAFEMS FV12, free thin square plate.
-
-    10 m x 10 m, t = 0.05 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m³, all edges free. Read: the
+def c09():
+    """10 m x 10 m, t = 0.05 m, E = 200 GPa, nu = 0.3, rho = 8000 kg/m³, all edges free. Read: the
     frequencies after the six rigid modes.
 
     Source: NAFEMS FV12 as in FinEtoolsFlexStructures.jl, FV12_vibration_examples.jl. Band: also
@@ -265,10 +216,9 @@ def c09() -> list[Check]:
     plate = Statics(rectangle(side, side, n_x=32, n_y=32), thick)
     frequency = plate.modes(6 + len(NAFEMS)).frequency
     rigid = float(frequency[5])
-    rows = [Check("largest of the rigid modes, Hz", 0.0, rigid, 1e-2, "round-off", absolute=True)]
+    yield zero("largest of the rigid modes, Hz", rigid, 1e-2, "round-off")
     for k, value in enumerate(NAFEMS):
         wave_number = np.sqrt(2.0 * np.pi * value / unit(1.0, thick))
         band = mesh_band(wave_number, side / 32) + LAST_DIGIT[k] / value
         ours = float(frequency[6 + k])
-        rows.append(Check(f"f{k + 7}, N = 32, Hz", value, ours, band, f"{WHY}, digits"))
-    return rows
+        yield Check(f"f{k + 7}, N = 32, Hz", value, ours, band, f"{WHY}, digits")

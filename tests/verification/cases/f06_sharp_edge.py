@@ -7,12 +7,10 @@ length of cut, over G_s h with G_s = min(G, G_0 + 2 r H).
 
 Source: exact as a statement of energy, once the law is taken (docs/theory/cables.md). For
 information: Gent and Wang, J. Polym. Sci. B 34 (1996) 2231 [GentWang1996], LDPE 1 kJ/m² cut and
-about 10 torn: the law has both, so a run with the razor has to give the first, while cables that no
-edge meets, as in a tear, keep the second exactly (tests/unit/test_severing.py).
+about 10 torn; a run with the razor has to give the first.
 
-Bands: cables 1 %, whole node periods of a sawtooth; from r_c on 3 %, for run-to-run scatter and
-waves as in F04, whose edges these are. The work of the tool includes damping, 0.1 to 1 N/mm
-whatever the radius: it is printed for information.
+Bands: cables 1 %, whole node periods of a sawtooth; from r_c on 3 %, as in F04. The work of the
+tool includes damping, 0.1 to 1 N/mm whatever the radius: it is printed for information.
 """
 
 from dataclasses import replace
@@ -22,13 +20,11 @@ import numpy as np
 
 from blunt_edge import cut
 from cases.paths import curve
-from harness import Check
+from courses import course, steady_works
+from harness import Check, case, zero
 from shellcut import CohesiveLaw, ShellMaterial, guillotine, opening_test
 from shellcut.models.opening import steady_work_per_radian
 from shellcut.tool.shapes import straight_blade, tooth_ring
-
-ID, TITLE, FAST = "F06", "Sharp edge", False
-AXES = "radius r of the edge, mm", "work of the cables over h, N/mm"
 
 EDGE = {"cutting_energy": 1.0, "severing_pressure": 450.0}
 LAW = CohesiveLaw(**EDGE)
@@ -36,8 +32,6 @@ SIZES = (0.8, 0.4, 0.2)  # mm
 RADII = (0.005, 0.01, 0.02, 0.04)  # mm
 ROW = (1e-3, 5e-3, 0.01, 0.02, 0.03, 0.04, 0.047, 0.0475, 0.06)  # mm
 TORN, RAZOR = 10.0, 1.0  # N/mm
-
-CURVES = {}
 
 
 def opening(radius, law):
@@ -49,12 +43,8 @@ def opening(radius, law):
         angle_deg=70.0,
         duration=6e-3 * 70.0 / 95.0,
     )
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        book, angle = sim.ledger, sim.motion.coordinate(sim.state.time)
-        rows.append((angle, book.cohesive_work, book.tool_work, book.imbalance))
-    angle, *works, imbalance = np.array(rows).T
+    names = "cohesive_work", "tool_work", "imbalance"
+    angle, *works, imbalance = course(case.simulation, case.duration, *names, every=1, close=False)
     late = angle > np.radians(30.0)
     exact = steady_work_per_radian(law=law.at_edge(radius))
     slopes = [float(np.polyfit(angle[late], work[late], 1)[0]) / exact for work in works]
@@ -87,27 +77,24 @@ def ldpe():
         ),
         tool=straight_blade(length=length, height=3.0, half_thickness=0.01),
     )
-    sim, rows = case.simulation, []
-    while sim.state.time < case.duration:
-        sim.step()
-        book = sim.ledger
-        path = sim.motion.coordinate(sim.state.time)
-        rows.append((path, book.cohesive_work, book.tool_work))
-    path, *works = np.array(rows).T
-    begin = 1.2
-    n = int((path[-1] - begin) / size)
-    ends = [begin, begin + n * size]
-    return [float(np.diff(np.interp(ends, path, w))[0]) / (n * size * thickness) for w in works]
+    works, _, _ = steady_works(case, size, 1.2, "cohesive_work", "tool_work")
+    return [work / thickness for work in works]
 
 
-def checks() -> list[Check]:
-    found, worst = [], 0.0
+@case(
+    "F06",
+    "Sharp edge",
+    fast=False,
+    axes=("radius r of the edge, mm", "work of the cables over h, N/mm"),
+)
+def f06():
+    worst = 0.0
     for size in SIZES:
         for radius in RADII:
             force, cables, _, _, imbalance = cut(radius, size, **EDGE)
             name = f"quads of {size:g} mm, r = {1e3 * radius:g} um"
-            found.append(Check(f"{name}: cables / G_s h", 1.0, cables, 0.01, "whole periods"))
-            found.append(Check(f"{name}: F / G_s h", 1.0, force, 0.05, "damping", gate=False))
+            yield Check(f"{name}: cables / G_s h", 1.0, cables, 0.01, "whole periods")
+            yield Check(f"{name}: F / G_s h", 1.0, force, 0.05, "damping", gate=False)
             worst = max(worst, imbalance)
     exact = [LAW.at_edge(radius).fracture_energy for radius in ROW]
     ours = []
@@ -116,22 +103,19 @@ def checks() -> list[Check]:
         ours.append(cables * energy)
         band, why = (0.01, "whole periods") if radius < LAW.blunt_radius else (0.03, "as F04")
         name = f"r = {1e3 * radius:g} um: cables / h, N/mm"
-        found.append(Check(name, energy, ours[-1], band, why))
+        yield Check(name, energy, ours[-1], band, why)
         worst = max(worst, imbalance)
     severed = [energy for energy, r in zip(ours, ROW, strict=True) if r < LAW.blunt_radius]
     grows = float(all(b > a for a, b in pairwise(severed)))
-    found.append(Check("it grows with r up to r_c (1: yes)", 1.0, grows, 0.0, "exact"))
+    yield Check("it grows with r up to r_c (1: yes)", 1.0, grows, 0.0, "exact")
     for law in (LAW, replace(LAW, severing_pressure=1450.0)):
         cables, tool, imbalance = opening(0.01, law)
         name = f"opening M1, r = 10 um, G_s = {law.at_edge(0.01).fracture_energy:g} N/mm"
-        found.append(Check(f"{name}: dW_coh/dtheta over theory", 1.0, cables, 0.01, "periods"))
-        found.append(Check(f"{name}: dW/dtheta", 1.0, tool, 0.06, "damping", gate=False))
+        yield Check(f"{name}: dW_coh/dtheta over theory", 1.0, cables, 0.01, "periods")
+        yield Check(f"{name}: dW/dtheta", 1.0, tool, 0.06, "damping", gate=False)
         worst = max(worst, imbalance)
-    found.append(Check("largest imbalance / work", 0.0, worst, 1e-4, "time step", absolute=True))
+    yield zero("largest imbalance / work", worst, 1e-4, "time step")
     cables, tool = ldpe()
-    found.append(Check("LDPE cut: cables / h, N/mm", RAZOR, cables, 0.02, "periods"))
-    found.append(
-        Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
-    )
-    CURVES["work of the cables"] = curve(ROW, ours, ROW, exact)
-    return found
+    yield Check("LDPE cut: cables / h, N/mm", RAZOR, cables, 0.02, "periods")
+    yield Check("LDPE: torn over cut [GentWang1996]", 10.0, TORN / tool, 0.2, "damping", gate=False)
+    f06.CURVES["work of the cables"] = curve(ROW, ours, ROW, exact)

@@ -16,11 +16,10 @@ information.
 import numpy as np
 
 from cases.paths import curve
-from harness import Check
+from courses import UNDAMPED, recorded
+from harness import Check, case, zero
 from shellcut import Pressure, ShellMaterial, Simulation, Support
 from shellcut.mesh.structured import disc
-
-ID, TITLE, FAST = "Y05", "Pressurised disc against three programs", True
 
 PRESSURE, DENSITY, THICKNESS = 0.05, 1e-9, 0.074
 PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
@@ -30,31 +29,23 @@ PEERS = [  # program, mesh, peak [mm], its time [s], whether a gate
     ("OpenSees ASDShellQ4", (16, 5), 2.0851, 80.4e-6, False),
 ]
 
-CURVES = {}
-AXES = "time, s", "height of the middle, mm"
 
-
-def swing(n_side: int, n_layer: int) -> np.ndarray:
+def swing(n_side, n_layer):
     """Return times, heights of the middle, works of the load and imbalances, shape (4, n)."""
     mesh = disc(10.2, n_side=n_side, n_layer=n_layer)
-    sim = Simulation(
-        mesh,
-        ShellMaterial.homogeneous(density=DENSITY, thickness=THICKNESS),
-        supports=[Support.clamped("rim")],
-        loads=[Pressure(PRESSURE)],
-        damping_alpha=0.0,
-        damping_beta=0.0,
-    )
-    centre = mesh.node_set("centre")
-    rows = []
-    while sim.state.time < 0.9e-4:
-        sim.step()
-        book, height = sim.ledger, sim.state.node.x[centre, 2].mean()
-        rows.append((sim.state.time, height, book.load_work, book.imbalance))
-    return np.array(rows).T
+    film = ShellMaterial.homogeneous(density=DENSITY, thickness=THICKNESS)
+    held, load = [Support.clamped("rim")], [Pressure(PRESSURE)]
+    sim = Simulation(mesh, film, supports=held, loads=load, **UNDAMPED)
+    centre, book = mesh.node_set("centre"), sim.ledger
+
+    def read(sim):
+        height = sim.state.node.x[centre, 2].mean()
+        return sim.state.time, height, book.load_work, book.imbalance
+
+    return recorded(sim, 0.9e-4, read)
 
 
-def peak(time: np.ndarray, height: np.ndarray) -> tuple[float, float]:
+def peak(time, height):
     """Return time and height of the peak, by a parabola through seven steps."""
     k = int(height.argmax())
     near = slice(k - 3, k + 4)
@@ -62,26 +53,21 @@ def peak(time: np.ndarray, height: np.ndarray) -> tuple[float, float]:
     return float(time[k] - 0.5 * c1 / c2), float(c0 - 0.25 * c1 * c1 / c2)
 
 
-def checks() -> list[Check]:
-    rows = []
+@case(
+    "Y05", "Pressurised disc against three programs", axes=("time, s", "height of the middle, mm")
+)
+def y05():
     runs = {mesh: swing(*mesh) for mesh in {mesh for _, mesh, *_ in PEERS}}
     for name, mesh, height, when, gate in PEERS:
         time, ours = peak(*runs[mesh][:2])
         n_quad = mesh[0] ** 2 + 4 * mesh[0] * mesh[1]
         what = f"{name}, {n_quad} quads"
-        rows.append(
-            Check(f"peak, {what}, mm", height, ours, 0.01, "other program, similar mesh", gate)
-        )
-        rows.append(Check(f"time, {what}, us", 1e6 * when, 1e6 * time, 0.01, "other program", gate))
+        yield Check(f"peak, {what}, mm", height, ours, 0.01, "other program, similar mesh", gate)
+        yield Check(f"time, {what}, us", 1e6 * when, 1e6 * time, 0.01, "other program", gate)
     time, z, *_ = runs[34, 11]
     flight = 0.5 * PRESSURE / (DENSITY * THICKNESS) * time**2
     early = time < 20e-6
     off = float(np.abs(z[early] / flight[early] - 1.0).max())
-    rows.append(Check("free flight to 20 us", 0.0, off, 1e-5, "mesh", absolute=True))
-    CURVES["middle"] = curve(
-        time,
-        z,
-        [when for _, mesh, _, when, gate in PEERS if gate],
-        [height for _, mesh, height, _, gate in PEERS if gate],
-    )
-    return rows
+    yield zero("free flight to 20 us", off, 1e-5, "mesh")
+    peaks = [(when, height) for _, _, height, when, gate in PEERS if gate]
+    y05.CURVES["middle"] = curve(time, z, *zip(*peaks, strict=True))
