@@ -101,7 +101,8 @@ model.write_text(MODEL)
 # %%
 # Search
 # ------
-# Both caps are run, and both again on a finer film: one is better only if both say so.
+# Both caps are run on one film, which is fine under the paths of both, and both again on a finer
+# film: one is better only if both say so.
 
 found = sc.optimise(
     model,

@@ -6,6 +6,7 @@ import pytest
 from shellcut import ModelFileError, mesh_from_outline, opening_test, read_model
 from shellcut.mesh.checks import MeshError
 from shellcut.models.path_film import film_along_path
+from shellcut.study.plan import Definition
 from shellcut.tool.motion import ScrewMotion, StraightMotion
 from shellcut.tool.shapes import straight_blade, tooth_ring
 
@@ -177,6 +178,35 @@ def test_films_that_cannot_be_along_a_path_are_refused(given, words):
         film_along_path(**film | given)
 
 
+def two_caps(folder):
+    """Write teeth on two radii; return the files."""
+    caps = [str(folder / f"cap_{radius}.stl") for radius in (4, 9)]
+    for cap, radius in zip(caps, (4.0, 9.4), strict=True):
+        tooth_ring(radius=radius).write(cap)
+    return caps
+
+
+def test_tools_that_are_compared_cut_one_film(gmsh, tmp_path):
+    caps, size = two_caps(tmp_path), {"membrane.radius": 11, "membrane.size_at_path": 0.8}
+    planned = Definition("opening", {"tool.file": caps}, {**size, "tool.unit": "mm"}).plan()
+    models = [planned.model_of(run) for run in planned.runs]
+    assert [model.sections["membrane"].tools for model in models] == [tuple(caps)] * 2
+    films = [model.parts().mesh for model in models]
+    np.testing.assert_array_equal(films[0].nodes, films[1].nodes)
+    alone = film_of_model({**size, "tool.unit": "mm", "tool.file": caps[1]})
+    assert alone.n_quad < films[0].n_quad
+
+
+@pytest.mark.parametrize("given", [{"membrane.n_side": 18}, {"membrane.tools": "first"}])
+def test_a_film_is_shared_only_if_it_is_meshed_along_paths_and_nothing_is_given(tmp_path, given):
+    caps = two_caps(tmp_path)
+    given = {key: [caps[0]] if key == "membrane.tools" else one for key, one in given.items()}
+    settings = {"membrane.radius": 11, "tool.unit": "mm", **given}
+    planned = Definition("opening", {"tool.file": caps}, settings).plan()
+    tools = planned.model_of(planned.runs[1]).sections["membrane"].tools
+    assert tools == tuple(given.get("membrane.tools", ()))
+
+
 def film_of_model(keys):
     return read_model("opening", keys).parts().mesh
 
@@ -204,6 +234,8 @@ def test_films_of_model_files(gmsh):
         ({"radius": 9, "n_layer": 4}, "n_layer needs n_side; without both"),
         ({"radius": 9, "n_side": 9, "size": 1}, "size is for a disc meshed by Gmsh, but n_side"),
         ({"file": __file__, "size_at_path": 0.4}, "films that Gmsh meshes .* leave it out, or set"),
+        ({"radius": 9, "tools": [__file__]}, "tools are files read as .tool. file is"),
+        ({"radius": 9, "tools": ["gone.stl"]}, "membrane..tools: there is no file .*gone.stl"),
     ],
 )
 def test_keys_that_do_not_go_together(given, words):

@@ -241,7 +241,7 @@ class GluePoints(ForceTerm):
         n = node.size
         self.points = Points(
             node=node,
-            area=np.bincount(self._point.ravel(), self._area.ravel(), n),
+            area=self._areas(n),
             base=X[node].copy(),
             normal=mesh.directors[node].copy() if normal is None else np.tile(normal, (n, 1)),
             largest=np.zeros(n),
@@ -276,9 +276,13 @@ class GluePoints(ForceTerm):
         before = np.zeros(node.size, np.int64)
         before[point], self._point = self._point, point
         kept = {name: column[before] for name, column in self.points._asdict().items()}
-        kept["area"] = np.bincount(point.ravel(), self._area.ravel(), node.size)
-        self.points = Points(**{**kept, "node": node})
+        self.points = Points(**{**kept, "node": node, "area": self._areas(node.size)})
         self._known.take(state)
+
+    def _areas(self, n: int) -> Floats:
+        """Return the area of each of the n points [mm²]."""
+        areas: Floats = np.bincount(self._point.ravel(), self._area.ravel(), n).astype(float)
+        return areas
 
     @property
     def resolved(self) -> float:

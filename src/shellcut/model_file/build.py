@@ -123,7 +123,7 @@ class _Made:
         film = film_along_path(
             np.asarray(of.outline) + aside,
             holes=[np.asarray(hole) + aside for hole in of.holes],
-            tool=self["tool"].translated((0.0, 0.0, -rise)),
+            tool=[tool.translated((0.0, 0.0, -rise)) for tool in self._tools(section)],
             motion=self["motion"],
             duration=duration_of(model.sections["motion"], self["motion"]),
             size_at_path=section.size_at_path,
@@ -132,6 +132,14 @@ class _Made:
             law=self["cohesive"],
         )
         return placed(film, shift=(0.0, 0.0, rise))
+
+    def _tools(self, film: Section) -> list[Tool]:
+        """Return all tools under whose paths the quads of a film are small."""
+        tool = self._model.sections["tool"]
+        if film.values.get("tools") and tool.kind != "file":
+            raise ValueError("tools are files read as [tool] file is, which is not given")
+        others = [tool.with_values(file=file) for file in film.values.get("tools", ())]
+        return [self["tool"], *(one.made() for one in others if one.file != tool.file)]
 
 
 def _arguments(model: Model) -> dict[str, Any]:

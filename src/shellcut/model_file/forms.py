@@ -98,6 +98,7 @@ FORMS = {
     "stem": Form("letters, digits, '.', '_', '-'", str, r"[\w.-]+"),
     "number": _PLAIN[float],
     "path": Form("a path", str),
+    "paths": Form("an array of paths", tuple[str, ...]),
     "numbers": Form("an array of numbers", tuple[float, ...]),
     "3 numbers": Form("an array of 3 numbers", _3_NUMBERS),
     "whole numbers": Form("an array of whole numbers", tuple[int, ...]),

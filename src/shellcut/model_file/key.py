@@ -65,8 +65,8 @@ class Key:
 
     @property
     def is_file(self) -> bool:
-        """Whether the value is the path of a file."""
-        return self.form is FORMS["path"]
+        """Whether the value is the path of a file, or an array of paths."""
+        return self.form in (FORMS["path"], FORMS["paths"])
 
     def read(self, value: Any) -> Any:
         """Return the value converted; raise ValueError with "must be ..., got ..."."""

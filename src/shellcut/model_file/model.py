@@ -91,11 +91,14 @@ class Model:
 
     def files(self) -> list[str]:
         """Return the absolute paths of the files the model reads."""
-        return [
-            str(section.values[name])
+        given = [
+            section.values[name]
             for section in self.titled().values()
             for name, key in section.of.keys.items()
             if key.is_file and section.values[name] is not None
+        ]
+        return [
+            str(path) for value in given for path in ([value] if isinstance(value, str) else value)
         ]
 
     def changed_files(self) -> list[str]:

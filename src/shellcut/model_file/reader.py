@@ -347,14 +347,20 @@ class _Reading:
             return self.section(key.kinds, read, path, "")
         if not key.is_file:
             return read
+        if isinstance(read, tuple):
+            return tuple(self.file(one, path, shown) for one in read)
+        return self.file(read, path, shown)
+
+    def file(self, name: str, path: KeyPath, shown: str) -> str | None:
+        """Return the absolute path of a file; record it if there is none."""
         try:
-            found = (self.source.base(path) / Path(read).expanduser()).resolve()
+            found = (self.source.base(path) / Path(name).expanduser()).resolve()
             if not found.exists():
                 self.say(path, f"{shown}: there is no file {found}")
             elif not found.is_file():
                 self.say(path, f"{shown} must be a regular file, but {found} is not")
         except (OSError, ValueError, RuntimeError) as problem:  # invalid as a file name
-            self.say(path, f"{shown} must name a file, got {read!r}: {problem}")
+            self.say(path, f"{shown} must name a file, got {name!r}: {problem}")
             return None
         return str(found)
 

@@ -75,7 +75,15 @@ HEAD = Kind(
 _FREE = keys_of(free_cut, "clamp", "notch")
 _RIM = keys_of(opening_test, "clamp")
 
-_SIZES = keys_of(film_along_path, "size_at_path", "size")
+_SIZES = {
+    **keys_of(film_along_path, "size_at_path", "size"),
+    "tools": own_key(
+        FORMS["paths"],
+        "files of further tools, under whose paths the quads are small too: their runs then do "
+        "not differ by the mesh",
+        (),
+    ),
+}
 
 
 def by_gmsh(film: Section) -> bool:
@@ -115,6 +123,7 @@ OPENING_DISC = Kind(
     {
         "mesh": replace(keys_of(opening_test)["mesh"], owner=opening_disc, parameter="name"),
         "size_at_path": _SIZES["size_at_path"],
+        "tools": _SIZES["tools"],
     },
     opening_disc,
     name="opening",
@@ -575,6 +584,6 @@ GONE: Mapping[tuple[str, str], str] = {
 OF_OUTLINES: Mapping[tuple[str, str], str] = {
     ("file", name): f"[membrane].{name} is for films that Gmsh meshes from an outline; a film from "
     "a file keeps its mesh: leave it out, or set refine, which divides each quad in four"
-    for name in ("size_at_path", "size", "holes")
+    for name in (*_SIZES, "holes")
 }
 """Keys of other kinds of films, by kind and key, and why they do not belong to it."""

@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -16,6 +17,7 @@ from shellcut.model_file.errors import Problem
 from shellcut.model_file.model import digest_of
 from shellcut.model_file.overrides import spelled
 from shellcut.model_file.reader import ModelVariants
+from shellcut.model_file.section_table import along_path
 from shellcut.numerics.threads import available_cores
 
 from .design import Design
@@ -74,7 +76,7 @@ class Definition:
         factors, single = factors_of(self.factors)
         given = {**self.settings, **(settings or {}), **single}
         whole = replace(self, settings={spelled(key): value for key, value in given.items()})
-        variants = ModelVariants(self.model, whole.settings)
+        variants = _variants(self.model, whole.settings, factors)
         combined = self.design.runs(factors)
         _try_values(variants, factors, combined)
         runs = tuple(planned_runs(variants, combined))
@@ -125,9 +127,27 @@ def sought(
     factors, single = factors_of({**FEW_FILES, **(settings or {})})
     if not factors:
         raise ValueError("nothing varies: give at least one key a range, KEY=LOW:HIGH")
-    variants = ModelVariants(model, single)
+    variants = _variants(model, single, factors)
     _try_values(variants, factors, [{}])
     return factors, variants
+
+
+def _variants(
+    model: str | os.PathLike[str], settings: Mapping[str, object], factors: Sequence[Factor]
+) -> ModelVariants:
+    """Return a model with settings.
+
+    If tools from files are compared on a film that is meshed along their paths, all get one film,
+    fine under every path: else the runs would differ by the mesh, too.
+    """
+    variants = ModelVariants(model, settings)
+    each = [factor.settings(value) for factor in factors for value in factor.probes()]
+    tools = [one["tool.file"] for one in each if "tool.file" in one]
+    with suppress(ModelFileError):  # told when the values are tried
+        film = variants.read(each[0] if tools else {}, try_out=False).sections["membrane"]
+        if tools and along_path(film) and not film.values.get("tools"):
+            return ModelVariants(model, {**settings, "membrane.tools": tools})
+    return variants
 
 
 def _try_values(
