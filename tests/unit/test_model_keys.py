@@ -143,8 +143,8 @@ VARIED = {
 FILMS = {kind for layout in SECTIONS.values() for kind in layout["material"]} - {LAMINATE}
 
 
-# The next tests vary these.
-ELSEWHERE_VARIED = {"hardening", "rate", "layers", "n_x", "n_y", "quads"}
+# The next tests vary these; those of test_path_film.py the tools.
+ELSEWHERE_VARIED = {"hardening", "rate", "layers", "n_x", "n_y", "quads", "tools"}
 
 
 def cases():

@@ -96,8 +96,8 @@ def preview(
     more = [*cost, crack_line(sim)]
     film, *others = _draw(parts, path, sweep, quality.worst.astype(np.int64), more=more)
     found = [f"{one.word}: {one}" for one in (check.findings if check is not None else ())]
-    parts_said = (film, *_film_lines(mesh), *step_lines, *cost, *others)
-    return "\n".join((*parts_said, crack_line(sim), *_worst_lines(quality), *found))
+    said = [film, *_film_lines(mesh), *step_lines, *cost, *others, crack_line(sim)]
+    return "\n".join([*said, *_worst_lines(quality), *found])
 
 
 def preview_parts(parts: ModelParts, path: str | os.PathLike[str]) -> str:

@@ -365,12 +365,7 @@ def _compared(
     fine = np.union1d(points, corners) if window else corners
     peak_at_m, peak_m = _peak(points, there)
     peak_at_s, peak_s = _peak(fine, s.mean_at(fine, width))
-    kinds = dimension(x_unit), dimension(y_unit)
-    to_work, work_unit = 1.0, f"{y_unit}*{x_unit}"
-    if kinds == ("angle", "torque"):
-        to_work, work_unit = conversion(x_unit, "rad") * conversion(y_unit, "N*mm"), "N*mm"
-    elif kinds == ("length", "force"):
-        to_work, work_unit = conversion(x_unit, "mm") * conversion(y_unit, "N"), "N*mm"
+    to_work, work_unit = _work_over(x_unit, y_unit)
     work_m, work_s = (to_work * line.integral(a, b) for line in (m, s))
     weights = shares(points)
     rms = float(np.sqrt(weights @ (ours - there) ** 2))
@@ -381,10 +376,7 @@ def _compared(
     if steady:
         lines_on = ((line, line.points_within(*steady)) for line in (m, s))
         mean_m, mean_s = (mean_of(at, line.integrals(at), pieces) for line, at in lines_on)
-    of_edge = results.splits.get("edge", np.zeros(0)) > 0
-    then = results.splits["time"][of_edge][:1] if of_edge.any() else np.array([np.nan])
-    at = np.interp(then, results.history["time"], results.history[x])
-    pierced = np.where((at >= a) & (at <= b), at, np.nan)
+    pierced = _pierced_at(results, x, a, b)
     pierced_m, pierced_s = (line.at(pierced).item() for line in (m, s))
     return Comparison(
         name=results.name,
@@ -425,6 +417,24 @@ def _compared(
             *why_not,
         ),
     )
+
+
+def _work_over(x_unit: str, y_unit: str) -> tuple[float, str]:
+    """Return the factor from the integral of y over x to a work, and the unit of that."""
+    kinds = dimension(x_unit), dimension(y_unit)
+    if kinds == ("angle", "torque"):
+        return conversion(x_unit, "rad") * conversion(y_unit, "N*mm"), "N*mm"
+    if kinds == ("length", "force"):
+        return conversion(x_unit, "mm") * conversion(y_unit, "N"), "N*mm"
+    return 1.0, f"{y_unit}*{x_unit}"
+
+
+def _pierced_at(results: Results, x: str, a: float, b: float) -> Floats:
+    """Return where an edge first pierces the film, shape (1,); nan if it does not in [a, b]."""
+    of_edge = results.splits.get("edge", np.zeros(0)) > 0
+    then = results.splits["time"][of_edge][:1] if of_edge.any() else np.array([np.nan])
+    at = np.interp(then, results.history["time"], results.history[x])
+    return np.where((at >= a) & (at <= b), at, np.nan)
 
 
 def _steady_range(

@@ -323,5 +323,5 @@ class VtkHdfWriter:
 
 def is_ours(file: Any) -> bool:
     """Whether an open file was written by this class; an older one may lack some arrays."""
-    of_vtk = ("VTKHDF/Steps", "VTKHDF/CellData/part")
-    return all(name in file for name in (*of_vtk, *(f"{BESIDE}/{name}" for name in _BESIDE)))
+    needed = ["VTKHDF/Steps", "VTKHDF/CellData/part", *(f"{BESIDE}/{name}" for name in _BESIDE)]
+    return all(name in file for name in needed)

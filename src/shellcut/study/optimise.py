@@ -227,8 +227,8 @@ class Optimum:
             if state in states
         ]
         curves.append(Curve("best so far", np.where(np.isinf(least), np.nan, self.sign * least)))
-        names = "number of the run", "", label_of(self.figure), unit_of(self.figure)
-        return Diagram(n, curves, *names, zero=False, whole=True)
+        name, unit = label_of(self.figure), unit_of(self.figure)
+        return Diagram(n, curves, "number of the run", "", name, unit, zero=False, whole=True)
 
 
 def optimise(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -79,10 +80,7 @@ def draw_crack_map(
     height = tall + foot + _HEAD  # as the film needs
     figure = new_figure((width, height), dpi)
     axes = figure.add_axes((_LEFT / width, foot / height, across / width, tall / height))
-    # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
-    edges, count = np.unique(np.sort(sides_of(last.quads), axis=1), axis=0, return_counts=True)
-    add_lines(axes, flat[edges], colors=_MESH_COLOR, linewidths=0.4)
-    add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
+    _draw_film(axes, last, flat)
     for k, way in enumerate(ways):
         label = "path of the cutting edges" if k == 0 else None
         axes.plot(
@@ -107,7 +105,48 @@ def draw_crack_map(
             capstyle="round",
             zorder=3,
         )
-    for k, (kind, places) in enumerate((splits or {}).items()):
+    _mark_splits(axes, splits or {}, factor, ij)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.02)
+    axes.set_xlabel(in_unit("xyz"[i], unit))
+    axes.set_ylabel(in_unit("xyz"[j], unit))
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
+    axes.set_title(f"crack of {with_unit(length, 'mm')} in {len(segments)} edges")
+    if scale is not None:
+        beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
+        bar = figure.colorbar(scale, cax=figure.add_axes(beside))
+        bar.set_label(in_unit(f"opened at {last.coordinate_name}", shown(last.coordinate_unit)[0]))
+    _add_legend(figure, axes, columns)
+    save(figure, path)
+
+
+def _add_legend(figure: Any, axes: Any, columns: int) -> None:
+    """Name below the picture what has a label."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        figure.legend(
+            handles,
+            labels,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 0.01),
+            ncols=columns,
+            frameon=False,
+        )
+
+
+def _draw_film(axes: Any, frame: Frame, flat: Floats) -> None:
+    """Draw the sides of all quads; flat : (n_point, 2), the reference in the plane."""
+    # Every edge thin; edges of only one quad, on the boundary of film or crack, bolder.
+    edges, count = np.unique(np.sort(sides_of(frame.quads), axis=1), axis=0, return_counts=True)
+    add_lines(axes, flat[edges], colors=_MESH_COLOR, linewidths=0.4)
+    add_lines(axes, flat[edges[count == 1]], colors=_RIM_COLOR, linewidths=0.9)
+
+
+def _mark_splits(
+    axes: Any, splits: Mapping[str, npt.ArrayLike], factor: float, ij: list[int]
+) -> None:
+    """Mark the nodes that have split, a sign for each cause."""
+    for k, (kind, places) in enumerate(splits.items()):
         at = factor * np.reshape(places, (-1, 3))[:, ij]
         axes.plot(
             *at.T,
@@ -119,27 +158,6 @@ def draw_crack_map(
             zorder=4,
             label=f"split by {kind} ({len(at)})",
         )
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.02)
-    axes.set_xlabel(in_unit("xyz"[i], unit))
-    axes.set_ylabel(in_unit("xyz"[j], unit))
-    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
-    axes.set_title(f"crack of {with_unit(length, 'mm')} in {len(segments)} edges")
-    if scale is not None:
-        beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
-        bar = figure.colorbar(scale, cax=figure.add_axes(beside))
-        bar.set_label(in_unit(f"opened at {last.coordinate_name}", shown(last.coordinate_unit)[0]))
-    handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        figure.legend(
-            handles,
-            labels,
-            loc="lower center",
-            bbox_to_anchor=(0.5, 0.01),
-            ncols=columns,
-            frameon=False,
-        )
-    save(figure, path)
 
 
 def crack_history(frames: Sequence[Frame]) -> tuple[Floats, Floats]:
