@@ -35,7 +35,7 @@ SMALLEST = 1e-6
 WHOLE = "tests/unit/test_friction.py"  # passes in the copy, or no mutant is tried
 CPU_SECONDS = 1200  # what runs longer is in an endless loop
 ROOMS = {
-    "mitc4": "quad_forces shell section centre_stress quad_frequency small_matrices tip_force "
+    "mitc4": "quad_forces shell centre_stress quad_frequency small_matrices tip_force "
     "yielding_film statics integrator time_step cut_loads start_check freedoms",
     "cables": "cable cohesive_law joint_slip segment_cables severing time_step edge_radius hold "
     "every_term",
@@ -46,7 +46,7 @@ ROOMS = {
     "cut_loads every_term severing",
     "central_difference.py": "integrator load symmetry_plane quasi_static",
     "loads": "load cut_loads symmetry_plane support_pull freedoms integrator statics",
-    "material": "material yielding_laws nominal_stress section yielding_film new_law shell",
+    "material": "material yielding_laws nominal_stress yielding_film new_law shell",
     "simulation": "simulation time_step quasi_static relaxation instability imperfection "
     "force_terms energy_account",
 }

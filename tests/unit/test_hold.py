@@ -1,4 +1,4 @@
-"""What supports leave free, and the pieces of a film that have none."""
+"""What supports leave free, and the pieces of a film that have none: how they come to rest."""
 
 import numpy as np
 import pytest
@@ -98,3 +98,28 @@ def test_pieces_of_a_film_by_construction_are_loose_only_if_nothing_holds_them()
     assert Pieces.of(state).loose.tolist() == [True, False]
     state.node.supported[0] = True
     assert Pieces.of(state).n_loose == 0
+
+
+def test_a_loose_piece_comes_to_rest_on_the_film():
+    mesh = stacked(*SHEETS, (0.3, 0.1, 0.1))
+    v = np.zeros((mesh.n_node, 3))
+    v[FIRST:, 2] = -1000.0
+    sim = sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped(np.arange(FIRST))],
+        loads=[sc.Gravity((0.0, 0.0, -2e7))],
+        contact=sc.Contact(self_contact=True),
+        velocity=v,
+        damping_alpha=3e4,
+    )
+    for _ in range(4000):
+        sim.step()
+    z = sim.state.node.x[FIRST : mesh.n_node, 2]
+    h = sim.material.thickness
+    assert np.abs(sim.state.node.velocity_half[FIRST : mesh.n_node]).max() < 1.0
+    assert sim.self_contact.forces.n_touching == 30
+    # Its weight on 30 springs, all as deep: k f(D) = m g.
+    assert z.min() > 0.9 * h
+    assert z.max() < h
+    assert abs(sim.ledger.imbalance) < 5e-3 * sim.ledger.put_in
