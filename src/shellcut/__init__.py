@@ -6,6 +6,9 @@ Frangi, Pagani, Perego and Borsari (CMES 57, 2010). Units throughout: mm, N, s, 
 A model is built by hand from a :class:`Mesh`, a :class:`ShellMaterial`, supports, loads, a
 :class:`Tool` with a motion and a :class:`CohesiveLaw`, put into a :class:`Simulation` and run;
 :func:`opening_test`, :func:`guillotine`, :func:`trouser` and :func:`oscillating` are ready models.
+
+In the code a *row* is a row of the table of quads: a quad of the mesh, or one of the copies that
+take its place where a crack goes through it.
 """
 
 from .signals import Importing

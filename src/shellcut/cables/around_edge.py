@@ -1,7 +1,7 @@
 r"""The path of a cable around the cutting edge, sharp or with a radius.
 
-Seen along the edge, e pointing at the viewer, let the joint be at the origin, with b to the side of
-an end of the cable and k into the blade. The end is at (y, z), and at the distance a along e.
+Look along the edge, with e towards the viewer and the joint at the origin. The axis b points to the
+side of one end of the cable, k into the blade. That end is at (y, z), at the distance a along e.
 
 *Sharp edge.* The branch is the straight line of length l = sqrt(rho² + a²), rho = |(y, z)|.
 

@@ -3,8 +3,8 @@
 :func:`check_model` runs them all; :class:`Sweep` finds where and when the cutting edges pass
 through the film, which the verdict at the end of a run also uses.
 
-May import ``cables``, ``mesh``, ``tool``, ``material`` and rows below. Of the simulation, which
-it is handed, it names only the type.
+May import ``cables``, ``mesh``, ``tool``, ``material`` and the layers below. Of the simulation,
+which it is handed, it names only the type.
 """
 
 from .finding import Finding, RefusedModel

@@ -138,6 +138,7 @@ class PenaltyContact(PressTerm):
         """The nodes of the last global search."""
         self.clock = Clock(self.near.ids, np.zeros(1), self._radius)
         """Of all that waits to touch the tool."""
+        # _looks, and carriers below, are names that checkpoints keep: see CONTRIBUTING.md.
         self._ids, self._looks = self.near.ids, DistanceQueries.none_yet(0)
         self._call, self._soon = BoundOnce(add_press_forces), BoundOnce(_within)
         self.deepest = 0.0

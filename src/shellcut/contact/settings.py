@@ -153,10 +153,10 @@ class Contact:
 
 
 class PenaltyLaw(NamedTuple):
-    """Parameters of the contact of one film with one tool, for kernels."""
+    """Parameters of the contact of one film with one tool."""
 
     penalty: float
-    """lambda [N/mm³]."""
+    """lambda [N/mm³]; kernels get it as the stiffness of each point, by :meth:`of_nodes`."""
     softest: float
     """Least stiffness of a node, whatever its area [N/mm]."""
     stiffest: float

@@ -142,16 +142,17 @@ class Cracks:
         if state.step % self._check_every:
             return
         if not self._blade_cuts:
-            self._advance_free(state, list(self.growth.tips))
+            self._advance_torn(state, list(self.growth.tips))
             return
         # An edge may pass several quads between two checks: again until no tip is due.
         while self._advance_driven(state):
             pass
-        # Both use what the watch found last: tips that tear before places that are driven.
-        self._advance_free(state, self._watch.may_tear(state.step // self._check_every))
+        # The watch has looked at all tips. First the tips that no blade drives may tear, then cuts
+        # may begin where an edge drives none.
+        self._advance_torn(state, self._watch.may_tear(state.step // self._check_every))
         self._pierce.begin_cuts(state, pose, self._watch.driven_places(), work)
 
-    def _advance_free(self, state: State, tips: Sequence[Tip]) -> None:
+    def _advance_torn(self, state: State, tips: Sequence[Tip]) -> None:
         """Advance those of some cracks that are due without a blade, by one quad at most.
 
         A crack then runs no faster than an edge length in ``check_every`` steps.
@@ -196,7 +197,7 @@ class Cracks:
                 there = watch.alive(state, [tip]) if tip in self.growth.tips else []
                 if not watch.due(state, there, self.growth.tips).any():
                     continue
-                i = 0
+                i = 0  # the watch now has this tip only
             if segment := watch.segment(i):
                 measure = float(watch.weighed.measure[i])
                 kind = "criterion" if measure >= DUE else "blade"

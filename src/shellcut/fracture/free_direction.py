@@ -1,5 +1,7 @@
 """The direction of a crack that no blade drives: most energy released, largest pull.
 
+When it runs is not decided here but by its trial cut (:mod:`.trial_cut`).
+
 A crack needs energy, G h per mm, and it needs stress, sigma_F, where it is to open. A sharp tip has
 stress enough and lacks energy; film under an even stress has energy enough and lacks stress. With
 J(e) the energy released per mm of a crack along e (:mod:`.tip_force`) and p(e) the stress across

@@ -3,8 +3,9 @@
 When a crack at its tip runs, by two measures that reach 1:
 
 ``"force"`` (default)
-    The nodal force of a trial cut (:mod:`.trial_cut`). The new cables take over this very force,
-    so a crack starts near equilibrium.
+    The nodal force of a trial cut (:mod:`.trial_cut`), along the opening where a blade drives the
+    crack, its magnitude elsewhere. The new cables take over this very force, so a crack starts
+    near equilibrium.
 ``"stress"``
     sigma_I / sigma_F with the stress recovered at the mid-surface, the paper's
     (:mod:`.side_tears`).

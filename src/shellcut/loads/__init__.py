@@ -1,6 +1,6 @@
 """Loads and supports: forces, pressure, gravity, tractions; fixed or moved nodes, symmetry planes.
 
-May import ``state``, ``mesh`` and rows below.
+May import ``state``, ``mesh`` and the layers below.
 """
 
 from .loads import EdgeTraction, Gravity, Load, NodalForce, NodalMoment, Pressure

@@ -1,6 +1,6 @@
 """Material of the film: layers, their material laws, and the stress at a point.
 
-May import ``numerics`` and rows below.
+May import ``numerics`` and the layers below.
 """
 
 from .elastic import Elastic

@@ -1,4 +1,4 @@
 """The film as quadrilaterals: read from a file, made from an outline or on a grid, and checked.
 
-May import ``numerics``, ``formats`` and rows below.
+May import ``numerics``, ``formats`` and the layers below.
 """

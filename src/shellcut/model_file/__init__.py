@@ -1,9 +1,10 @@
 """Model files: a TOML file that describes a run completely.
 
 :func:`read_model` reads and checks the file, :meth:`Model.build` builds the case,
-:meth:`Model.write` writes the model with every default filled in.
+:meth:`Model.write` writes the model with every default filled in. :mod:`.build` says how a value
+gets from the file to a kernel.
 
-May import ``models`` and rows below.
+May import ``models`` and the layers below.
 """
 
 from .errors import ModelFileError

@@ -2,8 +2,10 @@
 
 A value arrives like this: ``reader`` reads the text of ``[contact] penalty`` by the form of its
 key; the section makes its object, ``Contact`` (:meth:`.key.Section.made`); :func:`build` gives it
-to the model's builder, which hands it to ``Simulation(contact=...)``. Keys of a section that is
-``spread`` are arguments of the builder or of the simulation themselves.
+to the model's builder, which hands it to ``Simulation(contact=...)``. There ``PenaltyLaw.of`` and
+``PenaltyLaw.of_nodes`` make the stiffness of each node, a column of the table that the kernel
+``press_kernel.add_press_forces`` reads. Keys of a section that is ``spread`` are arguments of the
+builder or of the simulation themselves.
 
 Of a model that cannot be built, single parts, to draw it.
 """

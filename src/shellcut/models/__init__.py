@@ -1,6 +1,6 @@
 """Ready models: opening test, guillotine, trouser, oscillating cut, free cut of any film.
 
-May import ``recording`` and rows below.
+May import ``recording`` and the layers below.
 """
 
 from .case import Case

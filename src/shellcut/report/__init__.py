@@ -1,6 +1,6 @@
 """The report of a run: one HTML file that opens from disk, on a phone and on paper.
 
-May import ``results``, ``view`` and rows below.
+May import ``results``, ``view`` and the layers below.
 """
 
 from .report import report_run

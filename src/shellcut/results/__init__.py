@@ -1,5 +1,5 @@
 """Results of a run, read back: frames, history, splits, verdict, comparison of curves.
 
-May import ``view``, ``frame``, ``formats``, ``files`` and rows below; nothing here runs a
+May import ``view``, ``frame``, ``formats``, ``files`` and the layers below; nothing here runs a
 simulation.
 """

@@ -407,9 +407,10 @@ class Simulation:
         Parameters
         ----------
         *points : array_like, shape (3,)
-            From outside the film, nearer to the side of the border where the notch begins than that
-            is long, or from within the film, to where it ends [mm]: either at the first side or
-            node there or beyond, sooner at a border or a cut.
+            From outside the film, or from within, to where the notch ends [mm]. A first point that
+            is outside must be nearer to a side of the border than that side is long: there the
+            notch begins. It ends at the first side or node at or beyond the last point, or at a
+            border or cut before that.
 
         Raises
         ------

@@ -1,6 +1,6 @@
 """State of a film: all arrays that change in time, and the rule after a split.
 
-May import ``numerics`` and rows below.
+May import ``numerics`` and the layers below.
 """
 
 from .film import KnownTopology, OncePerTopology, SplitRecord, State

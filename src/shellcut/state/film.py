@@ -36,8 +36,8 @@ class SplitRecord:
     end: tuple[float, float, float]
     """Reference position where the cut ends [mm]."""
     kind: str
-    """``"criterion"``, ``"blade"`` or ``"puncture"``, see :mod:`shellcut.fracture.options`; or
-    ``TEAR`` or ``NOTCH``."""
+    """``"criterion"`` or ``"blade"`` at a tip, see :mod:`shellcut.fracture.options`; ``"puncture"``
+    where a cut begins, see :mod:`shellcut.fracture.pierce`; or ``TEAR`` or ``NOTCH``."""
     measure: float
     """Value of the criterion; a split is due at 1."""
     force_jump: float

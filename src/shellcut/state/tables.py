@@ -219,7 +219,8 @@ class NodeTable(_Table):
     halved: Bools
     """Whether the node is one half of a split or pre-cut node."""
     real: Bools
-    """Whether the film reaches the node: not that of a copy beyond a crack."""
+    """Whether the film reaches the node: not that of a copy beyond a crack, a phantom node. Points
+    on flanks are rows here too, without mass: a force on one goes on to the nodes of its copy."""
     quads: Annotated[SmallIds, (1,)]
     """Quads at the node, ascending, the first ``n_quad_at`` in use; as many columns as the most."""
     n_quad_at: SmallIds

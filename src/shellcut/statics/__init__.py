@@ -1,4 +1,4 @@
 """Static equilibrium of the same shells: Newton, load paths through snaps, vibration modes.
 
-May import the physics (``mitc4``, ``loads`` and rows below).
+May import the physics (``mitc4``, ``loads`` and the layers below).
 """

@@ -72,8 +72,9 @@ class ForceTerm:
     """What the energy balance gets from there at every step. If nothing does, the simulation works
     out what the term adds to the nodal forces, and the work of that."""
     n_search: int = 0
-    """How often it has searched for what it may act on: the time step then evaluates it anew. -1 if
-    that changes from step to step; the time step then evaluates it at every check."""
+    """How often it has searched for what it may act on: the time step then evaluates
+    :meth:`stiffness` anew. -1 if that changes from step to step, as that of a magnet does; the time
+    step then evaluates it at every check. If it stays 0, only a cut makes it ask again."""
 
     def for_film(
         self, mesh: Mesh, material: ShellMaterial, part_of: Callable[[int], Any]

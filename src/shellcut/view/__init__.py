@@ -1,6 +1,6 @@
 """Pictures of a run, drawn by Matplotlib (``pip install 'shellcut-fem[plot]'``).
 
-May import ``frame``, ``formats`` and rows below.
+May import ``frame``, ``formats`` and the layers below.
 """
 
 from ._figure import add_lines, can_draw, new_figure, save
