@@ -1,5 +1,6 @@
 """The distribution is shellcut-fem: what tells to install it, what is beside it, what it is for."""
 
+import ast
 import importlib.util
 import re
 import subprocess
@@ -104,15 +105,25 @@ def test_what_is_wrong_is_found(command, said):
     assert [said in one for one in found] == ([True] if said else [])
 
 
+def extras_named():
+    """Yield the extras that the code names, where it asks for a package or says how to get it."""
+    for path in (ROOT / "src").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            match node:
+                case ast.Call(func=ast.Name("pip_install"), args=extras):
+                    pass
+                case ast.Call(func=ast.Name("optional"), args=[_, _, *extras]):
+                    pass
+                case _:
+                    continue
+            yield from (one.value for one in extras if isinstance(one, ast.Constant))
+
+
 def test_name_version_and_extras_are_those_of_the_project():
     assert re.search('^name = "(.*?)"', PROJECT, re.M)[1] == DISTRIBUTION == "shellcut-fem"
     assert re.search('^version = "(.*?)"', PROJECT, re.M)[1] == version(DISTRIBUTION)
     assert shellcut.__version__ == version(DISTRIBUTION)
-    said = re.findall(
-        r"pip_install\(([^()]*)\)",
-        "\n".join(p.read_text(encoding="utf-8") for p in (ROOT / "src").rglob("*.py")),
-    )
-    named = {extra for one in said for extra in re.findall(r"['\"](\w+)['\"]", one)}
+    named = set(extras_named())
     assert {"plot", "mesh", "outline", "sweep", "optimise", "movie"} <= named <= EXTRAS
     assert pip_install("plot", "mesh") == "pip install 'shellcut-fem[plot,mesh]'"
     assert re.findall('"Operating System :: (.*)"', PROJECT) == ["POSIX :: Linux"]

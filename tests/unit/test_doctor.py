@@ -93,7 +93,7 @@ def test_what_has_been_compiled_is_not_compiled_again():
 @pytest.mark.parametrize(
     ("model", "settings"),
     [
-        ("opening", {"mesh": "quick", "angle_deg": 12.0, "motion.duration": "1 ms"}),
+        ("opening", {"mesh": "quick", "motion.angle_deg": 12.0, "motion.duration": "1 ms"}),
         ("guillotine", {"motion.travel": "2 mm"}),
     ],
 )

@@ -473,8 +473,11 @@ class TestInABrowser:
         page.wait_for_timeout(200)
         wanted = [low + share * (high - low) for share in (0.4, 0.6)]
         assert page.evaluate(range_of) == pytest.approx(wanted, abs=0.01 * (high - low))
-        page.mouse.dblclick(box["x"] + 20, box["y"] + 20)
-        page.wait_for_timeout(500)
+        for _ in range(5):  # on a busy machine two clicks may come too far apart to be one
+            page.mouse.dblclick(box["x"] + 20, box["y"] + 20)
+            page.wait_for_timeout(500)
+            if page.evaluate(range_of)[0] == pytest.approx(low):
+                break
         assert page.evaluate(range_of) == pytest.approx([low, high])
 
 
