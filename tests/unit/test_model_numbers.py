@@ -11,6 +11,7 @@ import pytest
 import model_numbers
 from shellcut import ModelFileError, read_model
 from shellcut.command_line import main
+from shellcut.model_file.reader import model_of_text
 
 SAMPLE = model_numbers.sample(90, ("strip", "sheet", "disc"))
 
@@ -61,6 +62,22 @@ def test_what_cannot_be_is_told_in_words(tmp_path, text, told):
     path.write_text(f"{STRIP}\n{text}\n")
     with pytest.raises(ModelFileError, match=re.compile(told, re.DOTALL)):
         read_model(path).build()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"[x{'.y' * 50_000}]",
+        f"x = {[0.1] * 50_000}",
+        'name = """' + "\n".join("a" * 50_000) + '"""',
+        "[material]\nname = [\n" + "1,\n" * 50_000,
+    ],
+    ids=["heading", "array", "text", "unclosed"],
+)
+def test_a_message_about_something_long_is_short_and_comes_at_once(text):
+    with pytest.raises(ModelFileError) as told:
+        model_of_text(f"{STRIP}\n{text}\n", "model.toml")
+    assert len(str(told.value)) < 2_000
 
 
 def test_sizes_are_refused_before_the_work(tmp_path, capsys):

@@ -18,6 +18,7 @@ from .quantity import quantity
 # powers are still within the range of a double.
 _SMALLEST, _LARGEST = 1e-18, 1e18
 
+_SHOWN = 200  # letters of a value in a message
 _LARGEST_COUNT = 10**9  # of anything: quads, teeth, rows, steps between two checks
 
 
@@ -57,7 +58,10 @@ class Form:
             comma = ""
             if is_fixed and isinstance(read, tuple) and len(read) > len(parts):
                 comma = ": a comma separates numbers, the decimal sign is a point"
-            raise ValueError(f"must be {words}, got {value!r}{comma}")
+            got = repr(value)
+            if len(got) > _SHOWN:
+                got = f"{got[:_SHOWN]}..."
+            raise ValueError(f"must be {words}, got {got}{comma}")
         if is_number(read) and (beyond := option.problem(read)):
             raise ValueError(beyond)
         return read

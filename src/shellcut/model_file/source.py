@@ -25,6 +25,7 @@ KeyPath = tuple[str | int, ...]
 
 _DEEPEST = 8  # levels of tables and arrays; holes = [[[x, y], ...]] in a section are five
 _TOO_DEEP = f"must nest tables and arrays to {_DEEPEST} levels at most"
+_SHOWN = 60  # letters of a heading or key in a message
 _LONGEST_KEY = 100  # parts; tomllib takes time by their square
 _NO_KEY = re.compile(r"[^\w.\"' \t-]")
 _LARGEST_WHOLE = 2**63 - 1
@@ -157,7 +158,10 @@ def _entry_at(text: str, line: int) -> str:
         return ""
     first = min(number for number, known in starts if known == path)
     again = f", first in line {first}" if first < start else ""
-    return f", {entry.strip()} in line {start}{again}"
+    shown = entry.strip()
+    if len(shown) > _SHOWN:
+        shown = f"{shown[:_SHOWN]}..."
+    return f", {shown} in line {start}{again}"
 
 
 def _bare(text: str, line: int) -> str:
@@ -167,7 +171,9 @@ def _bare(text: str, line: int) -> str:
     if found is None:
         return ""
     number, unit = found[1].replace(",", "."), found[2]
-    return f"; write {number}" if unit is None else f'; write "{number} {unit}"'
+    if unit is not None:
+        return f'; write "{number} {unit}"'
+    return f"; write {number}" if "," in found[1] else ""
 
 
 def _lines(text: str) -> dict[KeyPath, int]:
@@ -183,13 +189,17 @@ def _starts(text: str) -> Iterator[tuple[int, KeyPath]]:
     """Yield line and path of each heading and key, and an empty path where the text is no TOML."""
     counts: dict[KeyPath, int] = {}  # of the tables so far, by the path of their array
     section: KeyPath = ()
-    begun, entry = 1, ""
+    begun, entry, in_text = 1, "", False
     for number, line in enumerate(text.splitlines(), start=1):
         entry += f"{line}\n"
         if line.rstrip().endswith(",") and not line.lstrip().startswith("#"):
             continue  # within an array
+        has_quotes = any(quotes in line for quotes in ('"""', "'''"))
+        if in_text and not has_quotes and "]" not in line:
+            continue  # within a text of several lines
+        in_text = in_text or has_quotes
         try:
-            inner: Any = tomllib.loads(entry)
+            inner: Any = loaded(entry)
         except (ValueError, RecursionError):
             continue
         names: list[str] = []
@@ -209,6 +219,6 @@ def _starts(text: str) -> Iterator[tuple[int, KeyPath]]:
                 counts[section] = counts.get(section, 0) + 1
                 section = (*section, counts[section] - 1)
             yield begun, section
-        begun, entry = number + 1, ""
+        begun, entry, in_text = number + 1, "", False
     if entry.strip():
         yield begun, ()
