@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 
 _LONG = 15  # characters of a cell that may be wrapped
+_SAID = 40  # characters of a cell that is read as a sentence, not as a number
 
 
 def section(title: str, body: str) -> str:
@@ -23,15 +24,20 @@ def table(rows: Sequence[Sequence[str]], head: Sequence[str] = ()) -> str:
         cells = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
         parts.append(f"<thead><tr>{cells}</tr></thead>")
     parts.append("<tbody>")
+    kinds = [_kind(max(map(len, column))) for column in zip(*rows, strict=True)]
     for first, *others in rows:
-        cells = "".join(f'<td class="{_kind(cell)}">{escape(cell)}</td>' for cell in others)
+        each = zip(kinds[1:], others, strict=True)
+        cells = "".join(f'<td class="{kind}">{escape(cell)}</td>' for kind, cell in each)
         parts.append(f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>')
     return f'<div class="wide"><table>{"".join(parts)}</tbody></table></div>'
 
 
-def _kind(cell: str) -> str:
-    # Text too long for a column of numbers may wrap on a phone.
-    return "n" if len(cell) < _LONG else "n long"
+def _kind(longest: int) -> str:
+    """Return the class of the cells of a column from the length of the longest."""
+    # Text too long for a column of numbers may wrap on a phone, a sentence on every page.
+    if longest > _SAID:
+        return "said"
+    return "n" if longest < _LONG else "n long"
 
 
 def sentences(lines: Iterable[tuple[str, str, str]]) -> str:
