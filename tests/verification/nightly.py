@@ -58,7 +58,8 @@ def section(rows):
         "`.ci/nightly` runs the tests marked *slow*, or those of the files that are named, in a "
         "fresh environment. The last result of each file: "
         + ", ".join(f"{total[word]} {word}" for word in WORDS)
-        + ". The minutes of a row are the sum over its tests, some of which ran at the same time.",
+        + ". A file that is not in the table has no result yet. The minutes of a row are the sum "
+        "over its tests, some of which ran at the same time.",
         "",
         f"| file of tests | {' | '.join(WORDS)} | minutes | on | with |",
         "|---|" + "---:|" * 4 + "---|---|",
