@@ -104,13 +104,15 @@ def draw_model(
             axes = figure.add_axes((left, bottom, width, height))
             view = _View(axes, i, j, factor)
             if parts.mesh is not None:
-                nodes, held = parts.mesh.nodes, parts.supported
+                nodes, supported = parts.mesh.nodes, parts.supported
                 view.lines(nodes[mesh_edges(parts.mesh.quads)], _FILM_COLOR, 0.4)
                 if len(worst):
                     label = f"{len(worst)} quads with the smallest stable step"
                     view.faces(nodes[parts.mesh.quads[worst]], _WORST_COLOR, label=label)
-                if len(held):
-                    view.dots(nodes[held], 3.0, _SUPPORTED_COLOR, f"{len(held)} supported nodes")
+                if len(supported):
+                    view.dots(
+                        nodes[supported], 3.0, _SUPPORTED_COLOR, f"{len(supported)} supported nodes"
+                    )
             if parts.tool is not None:
                 view.faces(poses[k][parts.tool.triangles], _TOOL_COLOR, alpha=0.25)
                 for label, color, edges in edge_groups(parts.tool, sweep):

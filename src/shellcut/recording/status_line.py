@@ -31,8 +31,8 @@ def start_lines(
     sim: Simulation, resistance: AnyResistance, until: float, sweep: Sweep | None = None
 ) -> Iterator[str]:
     """Yield lines on film, tool, cuts, motion and estimated run time up to ``until`` [s]."""
-    held = int(sim.state.node.supported[: sim.mesh.n_node].sum())
-    film, *others = part_lines(sim.mesh, held, sim.tool, sweep)
+    n_supported = int(sim.state.node.supported[: sim.mesh.n_node].sum())
+    film, *others = part_lines(sim.mesh, n_supported, sim.tool, sweep)
     yield f"{film}, {with_unit(sim.material.thickness, 'mm')} thick"
     yield from (*others, crack_line(sim))
     r = resistance
@@ -47,7 +47,7 @@ def start_lines(
 
 
 def part_lines(
-    mesh: Mesh | None, n_held: int, tool: Tool | None, sweep: Sweep | None
+    mesh: Mesh | None, n_supported: int, tool: Tool | None, sweep: Sweep | None
 ) -> Iterator[str]:
     """Yield a line each on what there is of a film with supported nodes, its tool and the cuts."""
     if mesh is not None:
@@ -55,7 +55,7 @@ def part_lines(
         yield (
             f"film   {mesh.n_node:,} nodes, {mesh.n_quad:,} quads with sides of "
             f"{per * sides.min():.3g} to {per * sides.max():.3g} {unit}, "
-            f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_held:,} nodes supported"
+            f"{with_unit(mesh.quad_areas().sum(), 'mm^2')}, {n_supported:,} nodes supported"
         )
     if tool is not None:
         length = sum(chain.length for chain in tool.chains())

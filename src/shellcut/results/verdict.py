@@ -273,13 +273,13 @@ def _contact(figures: Figures) -> Iterator[Line]:
     """Yield what contact took of the work, with the tool and of the film with itself."""
     contact = _share_of_work(figures, "contact_Nmm")
     if contact is not None and is_of_a_tool(figures):
-        held, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
+        stored, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
         did, limit, cures = "took", CONTACT_LIMIT, ["finer", *_SMALLER_STEP]
         bad = "Contact loses too much energy where film hits the tool or springs off it"
         if contact < 0.0:
             did, limit = "gave the film", GIVEN_LIMIT
             bad = "Contact creates energy, because film hit the tool too fast for the time step"
-        elif held > lost:
+        elif stored > lost:
             cures = ["finer", "penalty"]
             bad = (
                 "Contact stores too much energy in its springs, because film presses hard on the "
