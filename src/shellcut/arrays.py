@@ -59,11 +59,23 @@ def unit(vectors: Floats) -> Floats:
     return np.asarray(np.divide(vectors, length, out=out, where=length != 0.0))
 
 
+def cross(first: Floats, second: Floats) -> Floats:
+    """Return the vector product of two vectors, or of rows along the last axis.
+
+    NumPy's takes five times as long for a few of them.
+    """
+    out = np.empty(np.broadcast_shapes(first.shape, second.shape))
+    for c in range(3):
+        a, b = (c + 1) % 3, (c + 2) % 3
+        out[..., c] = first[..., a] * second[..., b] - first[..., b] * second[..., a]
+    return out
+
+
 def angles(first: Floats, second: Floats) -> Floats:
     """Return the angles between vectors, or rows along the last axis [rad]."""
     # The arc tangent keeps small angles, which an arc cosine rounds to zero.
     cosine = np.add.reduce(first * second, axis=-1)
-    return each(math.atan2, norm(np.cross(first, second)), cosine)
+    return each(math.atan2, norm(cross(first, second)), cosine)
 
 
 def off_segments(points: Floats, starts: Floats, vectors: Floats) -> tuple[Floats, Floats]:

@@ -471,7 +471,6 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     first = still()
     recorder = sc.Recorder(first, part, until=8e-6, name="cut", **records)
     first.run(8e-6, [recorder, StopWhen(lambda: first.state.step >= 37)])
-    told(part / "checkpoint.h5", still(), drawing=500.0)
     # The last one shows where it stopped, and is drawn again in its turn.
     drawn = ["energy", "force", "snapshot_00", "snapshot_01"]
     assert sorted(p.stem for p in part.glob("*.png")) == drawn
@@ -482,7 +481,6 @@ def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
         assert (part / name).read_bytes() == (whole / name).read_bytes()
     summary = summary_of(part)
     assert (summary["unfelt_penetration_mm"], summary["unfelt_film_edge_mm"]) == (1.0, 2.0)
-    assert 500.0 < summary["pictures_s"] < 600.0
     # As if killed at its end: summed up, and nothing is drawn once more that was drawn there.
     (part / "summary.json").unlink()
     resumed(part, still(), 8e-6)

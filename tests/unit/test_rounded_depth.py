@@ -9,16 +9,19 @@ from shellcut.arrays import Bools, Floats
 from shellcut.contact.settings import STEEPEST
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import kernel
+from shellcut.numerics.vec3 import add_scaled
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
-from shellcut.tool.rounded_depth import ConvexNeighbours, rounded_depth
+from shellcut.tool.rounded_depth import ConvexNeighbours, depth_under_faces, rounded_depth
 from shellcut.tool.shapes import round_bar, straight_blade, tooth_ring
-from shellcut.tool.signed_distance import TriangleGrid, signed_distance
+from shellcut.tool.signed_distance import TriangleGrid, ball_clearance, signed_distance
 from shellcut.tool.surface import Surface
 
 R = 0.037  # mm
 G_M = 0.5 * R
 AROUND = 0.02  # radius of the sweeps [mm]
 TOOTH = tooth_ring(n_teeth=1)
+BAR = round_bar(diameter=2.0, tilt_deg=0.0, n_around=24)
+BOX = box((-0.5,) * 3, (0.5,) * 3)
 SURFACE = Surface(TOOTH.vertices, TOOTH.triangles)
 
 
@@ -39,8 +42,68 @@ def _evaluate(
         _, inside, t, q, whole = signed_distance(p, side, grid)
         own[i] = (not inside) or side * grid.surface.flank[whole] >= 0
         if inside:
-            depth[i], n, _ = rounded_depth(p, q, t, side, radius, grid, around, -1)
+            depth[i], n, _ = rounded_depth(p, q, t, side, radius, grid, around)
             out[i, 0], out[i, 1], out[i, 2] = n
+
+
+@kernel
+def _moved(
+    x: Floats,
+    shift: Floats,
+    side: int,
+    grid: TriangleGrid,
+    around: ConvexNeighbours,
+    found: Floats,
+    faces: Floats,
+    whole: Floats,
+) -> None:
+    """Depth and direction of points moved within the clearance at x: by faces, and found anew."""
+    grid, around = borrowed(grid), borrowed(around)
+    for i in range(x.shape[0]):
+        p = (x[i, 0], x[i, 1], x[i, 2])
+        _, inside, one, q, closest = signed_distance(p, side, grid)
+        if not inside or one != closest:
+            continue
+        g, n, two = rounded_depth(p, q, one, side, R, grid, around)
+        if two < 0 or not 0.0 < g < R:
+            continue
+        if abs(depth_under_faces(p, one, two, R, grid)[1] - g) > 1e-9 * R:
+            continue  # beside a concave edge
+        free = ball_clearance(add_scaled(p, g - R, n), R, p, one, two, side, grid)
+        if free <= 0.0:
+            continue
+        p = add_scaled(p, free, (shift[i, 0], shift[i, 1], shift[i, 2]))
+        faces[i, 0], faces[i, 1], (faces[i, 2], faces[i, 3], faces[i, 4]) = depth_under_faces(
+            p, one, two, R, grid
+        )
+        found[i] = 1 + (one != two)
+        _, inside, t, q, _ = signed_distance(p, side, grid)
+        if inside:
+            g, n, _ = rounded_depth(p, q, t, side, R, grid, around)
+            whole[i, 0], whole[i, 1], (whole[i, 2], whole[i, 3], whole[i, 4]) = 1.0, g, n
+
+
+@pytest.mark.parametrize("side", [0, 1, -1])
+@pytest.mark.parametrize("tool", [TOOTH, BAR, BOX], ids=["tooth", "bar", "box"])
+def test_within_the_clearance_of_the_ball_its_faces_give_the_depth(tool, side):
+    # Points near edges, corners and faces of the tool, moved in any direction by up to 0.999 of
+    # what is said to be free.
+    rng = np.random.default_rng(5)
+    n = 40_000
+    corners = tool.vertices[tool.triangles[rng.integers(tool.n_triangle, size=n)]]
+    weight = rng.dirichlet((0.3, 0.3, 0.3), n)  # many near edges and corners
+    x = np.einsum("nk,nkc->nc", weight, corners) + rng.normal(size=(n, 3)) * 0.3 * R
+    shift = rng.normal(size=(n, 3))
+    shift *= rng.uniform(0, 0.999, (n, 1)) / np.linalg.norm(shift, axis=1)[:, None]
+    found, faces, whole = np.zeros(n), np.zeros((n, 5)), np.zeros((n, 5))
+    grid, around = ClosestTriangleGrid.of(tool).arrays, ConvexNeighbours.of(tool)
+    _moved(x, shift, side, grid, around, found, faces, whole)
+    known = (found > 0) & (faces[:, 0] == 1.0)
+    assert (known & (found == 1)).sum() > 1000
+    assert (known & (found == 2)).sum() > 200
+    assert whole[known, 0].all()
+    np.testing.assert_allclose(faces[known, 1], whole[known, 1], rtol=0.0, atol=1e-9 * R)
+    np.testing.assert_allclose(faces[known, 2:], whole[known, 2:], rtol=0.0, atol=1e-6)
 
 
 def depths(tool, x, side):

@@ -150,8 +150,7 @@ class BorderContact(PressTerm):
         same = was.take(at, mode="clip") == key if was.size else np.zeros(count, np.bool_)
         self.kept = np.where(same, at, -1)
         queries, memory = DistanceQueries.none_yet(count), Memory.blank(count)
-        old = *had[1:], self._looks.across
-        carry_over((*memory[1:], queries.across), old, self.kept)
+        carry_over(memory[1:], had[1:], self.kept)
         pressed: Bools = np.asarray(had.force.any(axis=1))
         pressed[at[same]] = False
         dropped = np.flatnonzero(pressed)

@@ -51,14 +51,16 @@ class DistanceQueries(NamedTuple):
     """What is known of each contact point from its last distance query on the tool."""
 
     until: Annotated[Floats, "(n_row,)"]
-    """Travelled distance from which on it may touch, and is evaluated again [mm]."""
-    across: Annotated[Ints, "(n_row,)"]
-    """Face beyond the edge around which it was rounded last, -1 for none."""
+    """Travelled distance from which on the surface is searched again [mm]. Until then a point
+    outside does not touch, and the depth of one inside follows from its faces."""
+    face: Annotated[Ints, "(n_row, 2)"]
+    """Of a point inside, the triangles whose planes give its depth, twice the same where one does;
+    else -1."""
 
     @classmethod
     def none_yet(cls, n: int) -> DistanceQueries:
         """Return the table of n contact points that have not been evaluated yet."""
-        return cls(until=np.zeros(n), across=np.full(n, -1))
+        return cls(until=np.zeros(n), face=np.full((n, 2), -1))
 
 
 class Memory(NamedTuple):

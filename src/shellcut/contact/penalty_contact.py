@@ -195,9 +195,7 @@ class PenaltyContact(PressTerm):
         n.contact_side[left] = 0
         n.contact_depth[left] = n.contact_offset[left] = n.contact_work[left] = 0.0
         n.contact_force[left] = 0.0
-        queries = DistanceQueries.none_yet(near.size)
-        queries.across[place[stays]] = self._looks.across[stays]
-        self._ids, self._looks = near, queries
+        self._ids, self._looks = near, DistanceQueries.none_yet(near.size)
         self._collect(state)
 
     def _collect(self, state: State) -> None:

@@ -214,7 +214,8 @@ def add_press_forces(
     work = stored = deepest = 0.0
     n_touching = 0
     for i in range(memory.row.shape[0]):
-        if walked < queries.until[i]:
+        # A point outside waits; one inside has a depth in every step.
+        if walked < queries.until[i] and queries.face[i, 0] < 0:
             continue
         row, one_side, its_side = memory.row[i], True, int(side[memory.row[i]])
         if on_border:

@@ -4,7 +4,9 @@ The depth is that below the tool with its convex edges rounded (:mod:`shellcut.t
 
 *Waiting.* One clock adds up how far tool and film may have approached each other: the motion of
 the tool, and the largest speed of a listed node times the step. A contact point at the distance d
-from the tool is not evaluated again before this sum has grown by d.
+from the tool is not evaluated again before this sum has grown by d. For a point inside, whose depth
+follows from one or two faces, the surface is not searched again before the sum has grown by as much
+as it may move until another face counts.
 """
 
 from __future__ import annotations
@@ -17,10 +19,18 @@ from shellcut.numerics.vec3 import add_scaled, dot, load, norm, sub
 from shellcut.state import KernelNodes, QuadsAtNodes, local_edge_length
 from shellcut.tool.cutting_edge import CUT_DEPTH, NORMAL, segment_part, strip_coordinates
 from shellcut.tool.pose import Pose, to_body
-from shellcut.tool.rounded_depth import rounded_depth
-from shellcut.tool.signed_distance import at_least, closest_of_side, closest_of_solid
+from shellcut.tool.rounded_depth import depth_under_faces, rounded_depth
+from shellcut.tool.signed_distance import (
+    at_least,
+    ball_clearance,
+    closest_of_side,
+    closest_of_solid,
+)
 
 from .contact_tables import ContactTables, ContactTool
+
+# Of the radius of rounding: depths that agree so far are the same.
+_AGREES = 1e-9
 
 # Of the local edge length: quads whose mean centre is farther from the mid-plane lie beside it.
 _CLEARLY_BESIDE = 0.15
@@ -37,10 +47,17 @@ def depth_in_tool(
     when it is first inside.
 
     p : in the body frame, [mm].  side : so far; +1 or -1 of the blade, along the normal of its
-    mid-plane, 0 of none.  walked : on the clock [mm].  Writes until when the point waits if it is
-    outside, and across which rounded edge the depth was found if it is inside.
+    mid-plane, 0 of none.  walked : on the clock [mm].  Writes the point's query.
     """
     tool, queries, grid = tables.tool, tables.queries, tables.tool.grid
+    radius = tables.law.rounding
+    if walked < queries.until[i] and side == tables.memory.side[tables.memory.row[i]]:
+        one, two = queries.face[i, 0], queries.face[i, 1]
+        known, g, outward = depth_under_faces(p, one, two, radius, grid)
+        # Deeper than that, the other side of the blade may be closer.
+        if known and g < tables.law.tool_half_thickness:
+            return True, one, one, g, outward, side
+    queries.until[i], queries.face[i, 0] = walked, -1
     found, inside, whole, q = closest_of_solid(p, grid)
     if not inside:
         away = norm(sub(p, q)) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
@@ -55,10 +72,39 @@ def depth_in_tool(
     # The film may be pushed in deeper than the blade is thick: what lies on a flank stays there.
     if side * flank[whole] < 0:
         _, triangle, _, q = closest_of_side(p, side, grid)
-    g, outward, queries.across[i] = rounded_depth(
-        p, q, triangle, side, tables.law.rounding, grid, tool.around, queries.across[i]
-    )
+    g, outward, other = rounded_depth(p, q, triangle, side, radius, grid, tool.around)
+    # A node without a side may get one in the next step.
+    if whole == triangle and other >= 0 and (side != 0 or tables.on_border):
+        _keep_faces(i, p, g, outward, triangle, other, side, walked, tables)
     return True, whole, triangle, g, outward, side
+
+
+@inline
+def _keep_faces(
+    i: int,
+    p: Vec3,
+    g: float,
+    outward: Vec3,
+    one: int,
+    two: int,
+    side: int,
+    walked: float,
+    tables: ContactTables,
+) -> None:
+    """Write the faces that give a point its depth, and how long they do.
+
+    p : in the body frame, inside.  g, outward : its depth and outward direction [mm].
+    """
+    queries, grid, radius = tables.queries, tables.tool.grid, tables.law.rounding
+    known, again, _ = depth_under_faces(p, one, two, radius, grid)
+    # At a concave edge the closest point is no foot on a plane.
+    if not known or abs(again - g) > _AGREES * radius:
+        return
+    centre = add_scaled(p, g - radius, outward)
+    free = ball_clearance(centre, radius, p, one, two, side, grid) - tables.tool.round_off
+    if free > 0.0:
+        queries.until[i] = walked + free
+        queries.face[i, 0], queries.face[i, 1] = one, two
 
 
 @inline

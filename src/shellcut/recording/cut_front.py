@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, each, norm, product, unit
+from shellcut.arrays import Floats, Ints, cross, each, norm, product, unit
 from shellcut.state import JOINTED, NOT_MET, local_edge_length
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
@@ -190,7 +190,7 @@ class CutFront:
         assert self._motion is not None
         now = sim.state.time
         spin, velocity = (np.asarray(part, float) for part in self._motion.twist(now))
-        whole = velocity + np.cross(spin, place - pose_at(self._motion, now).translation)
+        whole = velocity + cross(spin, place - pose_at(self._motion, now).translation)
         along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
         along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
         return np.asarray(along)
@@ -210,7 +210,7 @@ class CutFront:
             beside = np.abs(np.hypot(a, radius - b) - radius)
         size = ends.size[others]
         # the far side of a tube is no obstacle
-        through = np.abs(product(gap, np.cross(first, second)))
+        through = np.abs(product(gap, cross(first, second)))
         met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))
 
@@ -230,9 +230,9 @@ class CutFront:
         if length <= _ALONG * norm(places[0]) or length == 0.0:
             along = ends.heading(tip)
             along = unit(along - product(along, director) * director)
-            return along, np.cross(director, along), 0.0
+            return along, cross(director, along), 0.0
         chord = first / length
-        left = np.cross(director, chord)
+        left = cross(director, chord)
         onward = second - first
         if norm(onward) <= _ALONG * length:  # the tool comes to rest
             return chord, left, 0.0
@@ -242,7 +242,7 @@ class CutFront:
         curvature = 2.0 * length * float(product(second, left)) / sides
         sine = 0.5 * curvature * length
         ahead = math.sqrt(max(1.0 - sine * sine, 0.0)) * chord - sine * left
-        return ahead, np.cross(director, ahead), curvature
+        return ahead, cross(director, ahead), curvature
 
 
 def _directors_at(sim: Simulation, nodes: Ints) -> Floats:

@@ -12,9 +12,8 @@ import json
 import logging
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from copy import deepcopy
 from dataclasses import asdict, replace
 from math import isfinite
 from typing import TYPE_CHECKING
@@ -193,7 +192,7 @@ class Recorder:
         """Write what is due."""
         now = sim.state.time
         if self._schedule.due(now):
-            before = deepcopy(self._schedule)
+            before = self._schedule.copied()
             try:
                 self._record(sim, now, self._schedule)
             except BaseException:
@@ -221,13 +220,11 @@ class Recorder:
         frame_due = schedule.frame_due(now)
         picture_due = schedule.picture_due is not None and schedule.picture_due(now)
         if frame_due or picture_due:
-            exposure = self._expose(sim)
+            draw = self._next_picture() if picture_due else None
+            self._files.frames.add(self._expose(sim).frame, to_file=frame_due, draw=draw)
             schedule.captured_time = now
             if frame_due:
-                self._files.frames.append(exposure.frame)
                 schedule.frame_time = now
-            if picture_due:
-                self._draw(exposure.frame())
 
     def place(self) -> str:
         """Return where the run is, like "angle 34.5 deg"."""
@@ -367,10 +364,8 @@ class Recorder:
                 if sim.between_steps:
                     raise
                 return  # the error of the failed step is already being raised
-            if frame_due:
-                self._files.frames.append(lambda: frame)
-            if picture_due:
-                self._draw(frame)
+            draw = self._next_picture() if picture_due else None
+            self._files.frames.add(lambda: frame, to_file=frame_due, draw=draw)
 
     def _end_progress(self) -> None:
         if self._progress is not None:
@@ -406,16 +401,15 @@ class Recorder:
             scalar_units=dict(r.columns) | {"crack length": "mm"},
         )
 
-    def _draw(self, frame: Frame) -> None:
+    def _next_picture(self) -> Callable[[Frame], None] | None:
+        """Return what draws the next picture, None without Matplotlib."""
         if not self._can_draw:
-            return
-        began = time.perf_counter()
+            return None
         path = self._files.new_picture(self._schedule.n_picture)
+        self._schedule.n_picture += 1
         high = None if self._strength is None else shown("MPa")[1] * self._strength
         look = Look(low=0.0, high=high)
-        draw_scene(path, frame, look=look, close_up=True, size=(1170, 630))
-        self._schedule.n_picture += 1
-        self._schedule.drawing += time.perf_counter() - began
+        return lambda frame: draw_scene(path, frame, look=look, close_up=True, size=(1170, 630))
 
     def _sum_up(self) -> None:
         """Write the files of a completed run: values, splits, curves."""
@@ -425,8 +419,7 @@ class Recorder:
             self.resistance,
             results.history,
             self._now() if self._sim.between_steps else None,
-            stepping=self._wall() - self._schedule.drawing,
-            drawing=self._schedule.drawing,
+            wall=self._wall(),
             unfelt=Unfelt(self._schedule.largest_unfelt, self._schedule.largest_unfelt_edge),
         )
         figures |= cut_evidence(self._sim, self._check.sweep)

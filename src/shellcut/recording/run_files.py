@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from pathlib import Path
 
 from shellcut.files.folder_lock import TakenFolder
@@ -25,38 +27,54 @@ from shellcut.results.run_results import summary_in
 from shellcut.results.vtkhdf import VtkHdfWriter
 
 
+# Frames that may wait to be written and drawn: as many as are due while a picture is drawn.
+_MOST_PENDING = 8
+
+
 class FolderLost(OSError):
     """Somebody removed, moved or emptied the folder of a running simulation."""
 
 
 class FrameOutput:
-    """Write frames to a result file, which it closes, in a background thread.
+    """Write frames to a result file, which it closes, and draw them, in a background thread.
 
-    Making, packing and writing a frame takes as long as forty steps of a small film. At most one
-    frame is pending: the next one waits for it, as does a caller who needs complete files.
+    Making, packing and writing a frame takes as long as forty steps of a small film, a picture ten
+    times that. So the run only waits where many frames are pending, or for complete files.
     """
 
     def __init__(self, file: VtkHdfWriter) -> None:
         self._file = file
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
-        self._writing: Future[None] | None = None
+        self._pending: deque[Future[None]] = deque()
         self.failed = False
-        """Whether a frame could not be written."""
+        """Whether a frame could not be written or drawn."""
 
-    def append(self, make: Callable[[], Frame]) -> None:
-        """Start to make and write a frame; raises the error of the previous frame, if any."""
-        self.settle()
-        self._writing = self._thread.submit(lambda: self._file.append(make()))
+    def add(
+        self,
+        make: Callable[[], Frame],
+        *,
+        to_file: bool,
+        draw: Callable[[Frame], None] | None = None,
+    ) -> None:
+        """Start to make a frame, to write it, if wanted, and to draw it.
+
+        Raises the error of an earlier frame, if any.
+        """
+
+        def work() -> None:
+            frame = make()
+            if to_file:
+                self._file.append(frame)
+            if draw is not None:
+                draw(frame)
+
+        self._wait(_MOST_PENDING - 1)
+        # With the units in which the caller shows values.
+        self._pending.append(self._thread.submit(copy_context().run, work))
 
     def settle(self) -> None:
-        """Wait until all frames are in the file; raises the error of the last frame, if any."""
-        writing, self._writing = self._writing, None
-        if writing is not None:
-            try:
-                writing.result()
-            except BaseException:
-                self.failed = True
-                raise
+        """Wait until all frames are written and drawn; raises the error of one of them, if any."""
+        self._wait(0)
 
     def sync(self) -> None:
         """Settle, and wait until the result file is on the disk; OSError if that fails."""
@@ -64,9 +82,8 @@ class FrameOutput:
         self._file.sync()
 
     def check(self) -> None:
-        """Raise the error of the last frame, if any, without waiting for a pending one."""
-        if self._writing is not None and self._writing.done():
-            self.settle()
+        """Raise the error of an earlier frame, if any, without waiting for a pending one."""
+        self._wait(len(self._pending))
 
     def close(self) -> None:
         """Flush pending frames and close the file; a second call does nothing."""
@@ -75,6 +92,15 @@ class FrameOutput:
         finally:
             self._thread.shutdown()
             self._file.close()
+
+    def _wait(self, n: int) -> None:
+        """Wait until at most n frames are pending; raise the error of one that is ready."""
+        while self._pending and (len(self._pending) > n or self._pending[0].done()):
+            try:
+                self._pending.popleft().result()
+            except BaseException:
+                self.failed = True
+                raise
 
 
 class RunFiles:

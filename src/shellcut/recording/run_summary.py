@@ -40,24 +40,22 @@ def run_summary(
     history: Mapping[str, Floats],
     end: Mapping[str, float] | None = None,
     *,
-    stepping: float,
-    drawing: float,
+    wall: float,
     unfelt: Unfelt,
 ) -> dict[str, Any]:
     """Return the values by name; counts are integers, reasons are texts.
 
     Values that are not finite (a film that blew up) are left out: JSON cannot express them.
     ``end`` are the columns of the history at its end, by default its last row: the state of a run
-    that broke off within a step means nothing. Wall times [s] are without and for the pictures.
+    that broke off within a step means nothing. ``wall`` is the time of the run [s].
     """
     s, r = sim.state, resistance
     figures = {
         "n_quad": sim.mesh.n_quad,
         "n_step": s.step,
         "dt_s": s.time / max(s.step, 1),
-        "wall_s": stepping,
-        "ns_per_quad_step": 1e9 * stepping / sim.mesh.n_quad / max(s.step, 1),
-        "pictures_s": drawing,
+        "wall_s": wall,
+        "ns_per_quad_step": 1e9 * wall / sim.mesh.n_quad / max(s.step, 1),
         **_of_the_tool(sim, unfelt),
         **sim.terms.summary(),
     }

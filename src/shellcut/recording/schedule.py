@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -45,8 +45,6 @@ class Schedule:
     """That of edges of the film in the tool so far [mm]."""
     wall: float = 0.0
     """Wall time up to the checkpoint [s]."""
-    drawing: float = 0.0
-    """Part of ``wall`` spent on pictures [s]."""
 
     @classmethod
     def at_start(cls, *, until: float, n_row: int, n_frame: int, n_snapshot: int) -> Schedule:
@@ -62,6 +60,17 @@ class Schedule:
         """Whether anything is due; asking does not change that."""
         triggers = (self.row_due, self.frame_due, self.picture_due, self.look_due)
         return any(one is not None and time >= one.next for one in triggers)
+
+    def copied(self) -> Schedule:
+        """Return a copy that does not change with this one."""
+        picture_due = self.picture_due and replace(self.picture_due)
+        return replace(
+            self,
+            row_due=replace(self.row_due),
+            frame_due=replace(self.frame_due),
+            picture_due=picture_due,
+            look_due=replace(self.look_due),
+        )
 
     def note_unfelt(self, found: Unfelt) -> None:
         """Take down what has just been measured of penetration that no contact feels."""

@@ -234,7 +234,7 @@ def error_bar(
         parts[SPEED] = abs(slower - f)
     alike = [f, *(v for r, v in others if r.part == CHANCE)]
     if (n := len(alike)) > 1:
-        t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n - 1))
+        t = float(scipy.special.stdtrit(n - 1, 0.5 + 0.5 * _LEVEL))
         parts[CHANCE] = t * float(np.std(alike, ddof=1))
     elif own is not None:
         parts[CHANCE] = own

@@ -79,7 +79,7 @@ def mean_of(way: Floats, integral: Floats, pieces: float) -> Mean:
     """
     n = n_cosine(pieces)
     ends = float(way[-1] - way[0])
-    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, n))
+    t = float(scipy.special.stdtrit(n, 0.5 + 0.5 * _LEVEL))
     scatter = float(np.sqrt(np.mean(_components(way, integral, n) ** 2)))
     return Mean(float(integral[-1] - integral[0]) / ends, t * scatter)
 

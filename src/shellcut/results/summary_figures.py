@@ -65,7 +65,6 @@ LABELS = {
     "n_step": "steps",
     "ns_per_quad_step": "computing time per quad and step",
     "wall_s": "computing and output time",
-    "pictures_s": "drawing time",
     "imbalance_rel": "largest error of the energy balance, of the work",
     "kinetic_rel": "largest kinetic energy, of the work",
     "quasi_static": "kinetic energy allowed by quasi_static, over the work",

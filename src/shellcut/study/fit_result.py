@@ -145,7 +145,7 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    t = float(scipy.stats.t.ppf(0.5 + 0.5 * _LEVEL, max(nu, 1.0)))
+    t = float(scipy.special.stdtrit(max(nu, 1.0), 0.5 + 0.5 * _LEVEL))
     values = runs.parameters.values(best.tolist())
     fitted = []
     for k, one in enumerate(runs.parameters.all):

@@ -22,9 +22,10 @@ weights (face, edge, corner of S); they are found by adding the constraint that 
 they are added one after the other: p - w is moved away from the face that is closest to it, until
 none is closer than r. That search of the surface is needed only near a convex edge: where the plane
 of a triangle that shares a vertex with the closest one, or with one coplanar with it, is closer to
-p - (r - d) n than r (:class:`ConvexNeighbours`). Mostly the ball rolls along one edge for a while:
-the face across that edge is remembered, and a single query of the surface shows whether the ball
-still touches it. What is remembered changes D by round-off at most.
+p - (r - d) n than r (:class:`ConvexNeighbours`). Mostly the ball rolls along one face, or along the
+edge of two, for a while. Then D follows from their planes alone (:func:`depth_under_faces`), as
+long as no other face can be closer than r to its centre (:func:`.ball_clearance`). This changes D
+by round-off at most.
 
 Where the surface is concave the closest point lies on an edge or vertex for a whole wedge of
 points. There the direction is that to the closest point, the depth the distance: the gradient
@@ -46,7 +47,7 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, sub
 
-from .signed_distance import TriangleGrid, away_from, closest_of_side
+from .signed_distance import TriangleGrid, closest_of_side
 from .tool import Tool
 
 # Of a dot product of normals: planes that agree so far are the same.
@@ -57,9 +58,6 @@ _IN_PLANE = 1e-9
 
 # Of the radius: constraints violated by less are met.
 _MET = 1e-12
-
-# Likewise, of a face that the ball touches.
-_TOUCHES = 1e-11
 
 # Sum of squares of a small sine: the foot of a point lies beside the face, on an edge or vertex.
 _BESIDE = 1e-12
@@ -164,65 +162,53 @@ def rounded_depth(
     radius: float,
     grid: TriangleGrid,
     around: ConvexNeighbours,
-    across: int = -1,
 ) -> tuple[float, Vec3, int]:
-    """Return D of a point inside [mm], the unit direction out, and the face across an edge.
+    """Return D of a point inside [mm], the unit direction out, and the other face that gives it.
+
+    That is the face across a convex edge, ``triangle`` where this one gives it alone, and -1 where
+    more than two do.
 
     p : in the body frame, [mm].  q : the closest point of the surface of its side, on triangle.
-    side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.  radius : r [mm].  across : the face
-    that was found beyond the edge near by last time, which is tried first; -1 for none.
+    side : +1, -1 or 0 for triangles of flank >= 0, <= 0, all.  radius : r [mm].
     """
     normals = grid.surface.pseudo_normals
     face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
     g, out = face_depth(p, q, face)
     # Deeper than r, or far from convex edges, D is the depth below the face.
     if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
-        return g, out, across
-    # Mostly the ball still rolls along the edge of the last time: a single query then is enough.
-    tried = False
-    w = scale(radius - g, out)
-    if across >= 0:
-        tried, w = _offset_from_two(p, g, out, triangle, across, side, radius, grid)
-    if not tried:
-        w, across = offset_from_opened(p, g, out, side, radius, grid)
+        return g, out, triangle
+    w, other = offset_from_opened(p, g, out, triangle, side, radius, grid)
     length = norm(w)
-    return radius - length, scale(1.0 / length, w), across
+    return radius - length, scale(1.0 / length, w), other
 
 
 @inline
-def _offset_from_two(
-    p: Vec3,
-    g: float,
-    out: Vec3,
-    triangle: int,
-    across: int,
-    side: int,
-    radius: float,
-    grid: TriangleGrid,
-) -> tuple[bool, Vec3]:
-    """Return whether the ball that p is rounded by touches just two triangles, and w then [mm].
+def depth_under_faces(
+    p: Vec3, one: int, two: int, radius: float, grid: TriangleGrid
+) -> tuple[bool, float, Vec3]:
+    """Return whether D < r of a point follows from one or two faces alone, D [mm], direction out.
 
-    g, out : depth of p and outward direction to ``triangle``, the closest one.
-
-    across : the other.  If it is as far as r from both of their planes it touches them, unless they
-    end before, and S is there if no other face is closer.
+    p : in the body frame, [mm].  one, two : triangles, which may be the same.  radius : r [mm].
     """
-    grid = borrowed(grid)
-    surface = grid.surface
-    normal = load(surface.pseudo_normals[across], 0)
-    needed = radius - dot(sub(load(surface.corners[across], 0), p), normal)
-    w = _least_of_two(out, radius - g, normal, needed, radius)
-    z = sub(p, w)
-    found, t, _, q = closest_of_side(z, side, grid)
-    depth, closest = face_depth(z, q, load(surface.pseudo_normals[t], 0))
-    # A third face is closer: the foot on S is not that of the two planes.
-    if not found or depth < radius * (1.0 - _MET) or side * surface.flank[across] < 0:
-        return False, w
-    # It touches the one that is closest; the other must be as close.
-    if t != across and dot(closest, out) < 1.0 - _PARALLEL:
-        return False, w
-    other = triangle if t == across else across
-    return away_from(z, other, surface) <= radius * (1.0 + _TOUCHES), w
+    planes = grid.surface.planes
+    n = load(planes[one], 0)
+    g = planes[one, 0, 3] - dot(n, p)
+    if two == one:
+        return 0.0 < g < radius, g, n
+    other = load(planes[two], 0)
+    beyond = planes[two, 0, 3] - dot(other, p)
+    inside = min(g, beyond) > 0.0
+    # The weights of both normals in the least w with n · w = r - g for each.
+    a, b, c = radius - g, radius - beyond, dot(n, other)
+    whole = 1.0 - c * c
+    of_n, of_other = (a - c * b) / whole, (b - c * a) / whole
+    if of_other <= 0.0:
+        return inside and g < radius, g, n
+    if of_n <= 0.0:
+        return inside and beyond < radius, beyond, other
+    w = combine(of_n, n, of_other, other)
+    length = norm(w)
+    return inside, radius - length, scale(1.0 / length, w)
 
 
 @always_inline
@@ -255,18 +241,18 @@ def _no_edge_near(
 
 @inline
 def offset_from_opened(
-    p: Vec3, g: float, out: Vec3, side: int, radius: float, grid: TriangleGrid
+    p: Vec3, g: float, out: Vec3, triangle: int, side: int, radius: float, grid: TriangleGrid
 ) -> tuple[Vec3, int]:
     """Return w, the shortest vector from S to a point inside that is less than r deep [mm].
 
-    And the face across the edge, if it leads to the round of an edge, else -1.  g, out : depth of p
-    and outward direction from it to its closest triangle.
+    And the other face that it depends on: ``triangle`` if there is none, -1 if there are more.
+    g, out : depth of p and outward direction from it to ``triangle``, the closest one.
     """
     grid = borrowed(grid)
     w = scale(radius - g, out)
     deep, across, normal, needed = _face_beyond(p, w, side, radius, grid)
     if deep:
-        return w, -1
+        return w, triangle
     # Mostly the round of one edge: two faces, without a table of them.
     second = _least_of_two(out, radius - g, normal, needed, radius)
     deep, _, third, beyond = _face_beyond(p, second, side, radius, grid)

@@ -29,6 +29,9 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, dot, load, store, sub
 
+# Far above that of a height over a plane, far below any depth that counts [mm].
+ROUND_OFF = 1e-9
+
 Cells3: TypeAlias = tuple[int, int, int]
 
 
@@ -121,6 +124,14 @@ def _over(p: Vec3, t: int, planes: Floats) -> tuple[float, float]:
 
 
 @inline
+def _at_least_away(p: Vec3, t: int, planes: Floats) -> float:
+    """Return a distance than which no point of a triangle is closer [mm]."""
+    height, within = _over(p, t, planes)
+    beside = min(within, 0.0)
+    return sqrt(height * height + beside * beside)
+
+
+@inline
 def _above(p: Vec3, t: int, k: int, planes: Floats) -> float:
     n = planes[t, k, 0], planes[t, k, 1], planes[t, k, 2]
     return dot(n, p) - float(planes[t, k, 3])
@@ -138,14 +149,6 @@ def _foot(
     x = surface.corners
     a, b = (x[t, 0, 0], x[t, 0, 1], x[t, 0, 2]), (x[t, 1, 0], x[t, 1, 1], x[t, 1, 2])
     return closest_on_triangle(p, a, b, (x[t, 2, 0], x[t, 2, 1], x[t, 2, 2]))
-
-
-@inline
-def away_from(p: Vec3, t: int, surface: TriangleSurface) -> float:
-    """Return the distance of p from a triangle [mm]."""
-    height, within = _over(p, t, surface.planes)
-    gap = sub(p, _foot(p, height, within, t, surface)[0])
-    return sqrt(dot(gap, gap))
 
 
 @inline
@@ -260,6 +263,82 @@ def signed_distance(p: Vec3, side: int, grid: TriangleGrid) -> tuple[bool, bool,
     if found and side * grid.surface.flank[whole] < 0:
         found, triangle, _, nearest = closest_of_side(p, side, grid)
     return found, inside, triangle, nearest, whole
+
+
+@inline
+def ball_clearance(
+    z: Vec3, radius: float, p: Vec3, one: int, two: int, side: int, grid: TriangleGrid
+) -> float:
+    """Return how far a ball may roll along one or two faces and touch no other [mm].
+
+    z : its centre, in the body frame, ``radius`` deep under the triangles ``one`` and ``two``,
+    which may be the same.  p : the point that it rounds, no farther from z than that, which may not
+    come out through a face of the other side.  side : +1, -1 or 0 for triangles of flank >= 0,
+    <= 0, all.
+
+    A triangle in the plane of such a face, or above it, is no closer to the centre than the face.
+    On one face the centre moves along its plane, so its depth under another plane changes by the
+    sine of the angle between both.
+    """
+    grid = borrowed(grid)
+    cell_start, cell_triangles, cell_distance = grid.lists
+    surface, planes = grid.surface, grid.surface.planes
+    in_grid, cell = cell_of(z, grid.cells)
+    if not in_grid:
+        return 0.0
+    off_centre = _distance_from_centre(z, cell, grid.cells)
+    free = min(_over(z, one, planes)[1], _over(z, two, planes)[1])
+    free = min(free, _unlisted(cell, side, off_centre, grid) - radius)
+    # The point stays over the face that is closest to it, and not over a concave edge of that.
+    (above_one, within_one), (above_two, within_two) = _over(p, one, planes), _over(p, two, planes)
+    free = min(free, within_one, max(within_two, 0.5 * (above_one - above_two)))
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if cell_distance[k] - off_centre - radius > free:
+            break
+        t = cell_triangles[k]
+        if t in (one, two):
+            continue
+        if side * surface.flank[t] < 0:
+            free = min(free, _at_least_away(p, t, planes))
+            continue
+        height = _above(z, t, 0, planes)
+        clear = _at_least_away(z, t, planes) - radius
+        if one == two and -height > radius:
+            sine = max(_sine_between(t, one, planes), ROUND_OFF)
+            clear = max(clear, (-height - radius) / sine)
+        if clear < free and not (_is_above(t, one, surface) or _is_above(t, two, surface)):
+            free = clear
+    return free
+
+
+@inline
+def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> float:
+    """Return a distance than which no triangle of the side that a cell does not list is closer [mm].
+
+    From a point that is ``off_centre`` from the cell's centre. A cell lists all that is closer to
+    that than the closest of the side and its diagonal.
+    """
+    cell_start, cell_triangles, cell_distance = grid.lists
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if side * grid.surface.flank[cell_triangles[k]] >= 0:
+            return float(cell_distance[k]) + sqrt(3.0) * grid.cells.size - off_centre
+    return 0.0
+
+
+@inline
+def _sine_between(t: int, other: int, planes: Floats) -> float:
+    """Return the sine of the angle between the planes of two triangles."""
+    cosine = dot(load(planes[t], 0), load(planes[other], 0))
+    return sqrt(max(1.0 - cosine * cosine, 0.0))
+
+
+@inline
+def _is_above(t: int, other: int, surface: TriangleSurface) -> bool:
+    """Return whether a triangle lies in the plane of another, or above it."""
+    least = np.inf
+    for a in range(3):
+        least = min(least, _above(load(surface.corners[t], a), other, 0, surface.planes))
+    return least > -ROUND_OFF
 
 
 @kernel
