@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from films import three_quads_a_triangle
-from shellcut import CohesiveLaw, Fracture, ShellMaterial, Simulation, StraightMotion, Support
+from shellcut import (
+    CohesiveLaw,
+    Fracture,
+    ShellMaterial,
+    Simulation,
+    StraightMotion,
+    Support,
+    load_checkpoint,
+    save_checkpoint,
+)
 from shellcut.mesh.mesh import Mesh
 from shellcut.mesh.structured import rectangle
 from teeth import tool_of, tooth, vee
@@ -48,8 +57,8 @@ def film_of(kind):
     return Mesh.from_arrays(nodes, quads)
 
 
-def pierced(angle, path, line, kind="squares"):
-    """Press sixteen teeth into as many films; return the record of each, and of what is cut."""
+def pressed(angle, path, line, kind="squares"):
+    """Return a run that presses sixteen teeth into as many films."""
     mesh, line = film_of(kind), np.array(line)
     held = np.flatnonzero((mesh.nodes[:, :2] % CELL == 0.0).any(axis=1))
     firsts = [(CELL * (k % N_CELL), CELL * (k // N_CELL)) for k in range(len(PLACES))]
@@ -60,7 +69,7 @@ def pierced(angle, path, line, kind="squares"):
         z = np.interp(x, np.arange(SIZE + 1.0), height(np.arange(SIZE + 1.0)))
         up = [0.0, z if kind == "curved" else 0.0]
         teeth.append(tooth(line + up, height=1.0, turn_deg=angle, at=(x, y)))
-    run = Simulation(
+    return Simulation(
         mesh,
         ShellMaterial.homogeneous(),
         supports=[Support.clamped(held)],
@@ -69,6 +78,11 @@ def pierced(angle, path, line, kind="squares"):
         law=CohesiveLaw(),
         fracture=Fracture(path=path, check_every=1),
     )
+
+
+def pierced(angle, path, line, kind="squares"):
+    """Press sixteen teeth into as many films; return the record of each, and of what is cut."""
+    run = pressed(angle, path, line, kind)
     first = {}
     while len(first) < len(PLACES) and run.state.time < 9e-4:
         seen = len(run.state.split_log)
@@ -101,3 +115,19 @@ def test_a_tip_pierces_at_its_force_at_any_place_in_any_direction(path, angle, k
     assert {record.kind for record in first.values()} == {"puncture"}
     assert max(record.measure for record in first.values()) < 1.06
     assert min(record.measure for record in first.values()) >= 1.0
+
+
+def test_a_run_resumed_while_tips_press_pierces_as_the_whole_run(tmp_path):
+    # The force that pierces is a mean over the time of impacts: it is kept, too.
+    whole = pressed(30.0, "free", vee(30.0, 0.8))
+    while not whole.state.split_log:
+        if whole.state.step % 50 == 0:
+            save_checkpoint(whole, tmp_path / "pressed.h5")
+        whole.step()
+    again = pressed(30.0, "free", vee(30.0, 0.8))
+    load_checkpoint(again, tmp_path / "pressed.h5")
+    assert 0 < again.state.step < whole.state.step
+    while not again.state.split_log:
+        again.step()
+    assert again.state.split_log == whole.state.split_log
+    assert again.state.split_log[0].kind == "puncture"
