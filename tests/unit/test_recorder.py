@@ -139,9 +139,7 @@ def test_a_run_that_hardly_began_has_closed_no_balance(tmp_path):
     history, _ = read_history(tmp_path / "history.csv")
     end = {name: column[-1] for name, column in history.items()}
     end |= {"tool_work": np.inf, "damping_mass": np.nan}
-    values = run_summary(
-        sim, recorder.resistance, history, end, stepping=1.0, drawing=0.0, unfelt=Unfelt()
-    )
+    values = run_summary(sim, recorder.resistance, history, end, wall=1.0, unfelt=Unfelt())
     assert not {"tool_work_Nmm", "damping_Nmm"} & values.keys()
     assert values["n_step"] == 3
 
@@ -190,7 +188,7 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
     history = dict.fromkeys(columns, angle) | edge_columns([edge(angle)] * 4)
 
     def summed():
-        return run_summary(sim, r, history, stepping=1.0, drawing=0.0, unfelt=Unfelt())
+        return run_summary(sim, r, history, wall=1.0, unfelt=Unfelt())
 
     summary = summed()
     # The growth of the identity a radian.

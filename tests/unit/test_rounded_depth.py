@@ -11,7 +11,7 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import kernel
 from shellcut.numerics.vec3 import add_scaled
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
-from shellcut.tool.rounded_depth import ConvexNeighbours, depth_under_faces, rounded_depth
+from shellcut.tool.rounded_depth import depth_under_faces, rounded_depth
 from shellcut.tool.shapes import round_bar, straight_blade, tooth_ring
 from shellcut.tool.signed_distance import TriangleGrid, ball_clearance, signed_distance
 from shellcut.tool.surface import Surface
@@ -31,18 +31,17 @@ def _evaluate(
     side: int,
     radius: float,
     grid: TriangleGrid,
-    around: ConvexNeighbours,
     depth: Floats,
     out: Floats,
     own: Bools,
 ) -> None:
-    grid, around = borrowed(grid), borrowed(around)
+    grid = borrowed(grid)
     for i in range(x.shape[0]):
         p = (x[i, 0], x[i, 1], x[i, 2])
         _, inside, t, q, whole = signed_distance(p, side, grid)
         own[i] = (not inside) or side * grid.surface.flank[whole] >= 0
         if inside:
-            depth[i], n, _ = rounded_depth(p, q, t, side, radius, grid, around)
+            depth[i], n, _ = rounded_depth(p, q, t, side, radius, grid)
             out[i, 0], out[i, 1], out[i, 2] = n
 
 
@@ -52,19 +51,18 @@ def _moved(
     shift: Floats,
     side: int,
     grid: TriangleGrid,
-    around: ConvexNeighbours,
     found: Floats,
     faces: Floats,
     whole: Floats,
 ) -> None:
     """Depth and direction of points moved within the clearance at x: by faces, and found anew."""
-    grid, around = borrowed(grid), borrowed(around)
+    grid = borrowed(grid)
     for i in range(x.shape[0]):
         p = (x[i, 0], x[i, 1], x[i, 2])
         _, inside, one, q, closest = signed_distance(p, side, grid)
         if not inside or one != closest:
             continue
-        g, n, two = rounded_depth(p, q, one, side, R, grid, around)
+        g, n, two = rounded_depth(p, q, one, side, R, grid)
         if two < 0 or not 0.0 < g < R:
             continue
         if abs(depth_under_faces(p, one, two, R, grid)[1] - g) > 1e-9 * R:
@@ -79,7 +77,7 @@ def _moved(
         found[i] = 1 + (one != two)
         _, inside, t, q, _ = signed_distance(p, side, grid)
         if inside:
-            g, n, _ = rounded_depth(p, q, t, side, R, grid, around)
+            g, n, _ = rounded_depth(p, q, t, side, R, grid)
             whole[i, 0], whole[i, 1], (whole[i, 2], whole[i, 3], whole[i, 4]) = 1.0, g, n
 
 
@@ -96,8 +94,8 @@ def test_within_the_clearance_of_the_ball_its_faces_give_the_depth(tool, side):
     shift = rng.normal(size=(n, 3))
     shift *= rng.uniform(0, 0.999, (n, 1)) / np.linalg.norm(shift, axis=1)[:, None]
     found, faces, whole = np.zeros(n), np.zeros((n, 5)), np.zeros((n, 5))
-    grid, around = ClosestTriangleGrid.of(tool).arrays, ConvexNeighbours.of(tool)
-    _moved(x, shift, side, grid, around, found, faces, whole)
+    grid = ClosestTriangleGrid.of(tool).arrays
+    _moved(x, shift, side, grid, found, faces, whole)
     known = (found > 0) & (faces[:, 0] == 1.0)
     assert (known & (found == 1)).sum() > 1000
     assert (known & (found == 2)).sum() > 200
@@ -109,8 +107,8 @@ def test_within_the_clearance_of_the_ball_its_faces_give_the_depth(tool, side):
 def depths(tool, x, side):
     """Depth, way out, and whether the closest face is one that a node of this side feels."""
     depth, out, own = np.zeros(len(x)), np.zeros((len(x), 3)), np.ones(len(x), bool)
-    grid, around = ClosestTriangleGrid.of(tool).arrays, ConvexNeighbours.of(tool)
-    _evaluate(np.ascontiguousarray(x), side, R, grid, around, depth, out, own)
+    grid = ClosestTriangleGrid.of(tool).arrays
+    _evaluate(np.ascontiguousarray(x), side, R, grid, depth, out, own)
     return depth, out, own
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, Numbers, SmallIds, SmallInts
 from shellcut.state import KernelNodes, QuadsAtNodes, State
-from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import TriangleGrid
 
 from .film_outline import Outline
@@ -127,8 +126,6 @@ class ContactTool(NamedTuple):
     """Tooth of each triangle."""
     segments: Annotated[Floats, "(n_edge, 4, 3)"]
     """As in :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
-    around: ConvexNeighbours
-    """Of its triangles, for the rounding of convex edges."""
     undecided: float
     """Distance from the mid-plane up to which a node's quads decide its side, in local edge
     lengths."""

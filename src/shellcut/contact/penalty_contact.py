@@ -47,7 +47,6 @@ from shellcut.state import KernelNodes, State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import CuttingEdges
 from shellcut.tool.pose import Pose, to_body
-from shellcut.tool.rounded_depth import ConvexNeighbours
 from shellcut.tool.signed_distance import GridCells, at_least
 from shellcut.tool.tool import Tool
 
@@ -122,7 +121,6 @@ class PenaltyContact(PressTerm):
             round_off=_ROUND_OFF * float(np.abs(tool.vertices).max()),
             triangle_tooth=tool.triangle_tooth,
             segments=CuttingEdges.of(tool).segments,
-            around=ConvexNeighbours.of(tool),
             undecided=_UNDECIDED + crack_aside,
         )
         """The tool, for kernels."""

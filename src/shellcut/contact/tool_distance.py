@@ -72,7 +72,7 @@ def depth_in_tool(
     # The film may be pushed in deeper than the blade is thick: what lies on a flank stays there.
     if side * flank[whole] < 0:
         _, triangle, _, q = closest_of_side(p, side, grid)
-    g, outward, other = rounded_depth(p, q, triangle, side, radius, grid, tool.around)
+    g, outward, other = rounded_depth(p, q, triangle, side, radius, grid)
     # A node without a side may get one in the next step.
     if whole == triangle and other >= 0 and (side != 0 or tables.on_border):
         _keep_faces(i, p, g, outward, triangle, other, side, walked, tables)

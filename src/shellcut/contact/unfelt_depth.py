@@ -202,7 +202,7 @@ def _deepest_unfelt(
             found, inside, triangle, q, whole = signed_distance(p, side[i], tool.grid)
             if not (found and inside):
                 continue
-            D, _, _ = rounded_depth(p, q, triangle, side[i], law.rounding, tool.grid, tool.around)
+            D, _, _ = rounded_depth(p, q, triangle, side[i], law.rounding, tool.grid)
             if side[i] * surface.flank[whole] < 0 and law.tool_half_thickness < D:
                 continue
             # Places lie at (j + 1/2) / m; before the first and behind the last are the ends.

@@ -26,7 +26,6 @@ from shellcut.results.history import HistoryWriter, Written
 from shellcut.results.run_results import summary_in
 from shellcut.results.vtkhdf import VtkHdfWriter
 
-
 # Frames that may wait to be written and drawn: as many as are due while a picture is drawn.
 _MOST_PENDING = 8
 

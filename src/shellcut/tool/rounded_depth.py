@@ -20,12 +20,9 @@ g_i the depths under the planes of the faces around,
 the point p - w lying on S. The least w is spanned by one, two or three of the normals with positive
 weights (face, edge, corner of S); they are found by adding the constraint that is violated most. So
 they are added one after the other: p - w is moved away from the face that is closest to it, until
-none is closer than r. That search of the surface is needed only near a convex edge: where the plane
-of a triangle that shares a vertex with the closest one, or with one coplanar with it, is closer to
-p - (r - d) n than r (:class:`ConvexNeighbours`). Mostly the ball rolls along one face, or along the
-edge of two, for a while. Then D follows from their planes alone (:func:`depth_under_faces`), as
-long as no other face can be closer than r to its centre (:func:`.ball_clearance`). This changes D
-by round-off at most.
+none is closer than r. Mostly the ball rolls along one face, or along the edge of two, for a while.
+Then D follows from their planes alone (:func:`depth_under_faces`), as long as no other face can be
+closer than r to its centre (:func:`.ball_clearance`). This changes D by round-off at most.
 
 Where the surface is concave the closest point lies on an edge or vertex for a whole wedge of
 points. There the direction is that to the closest point, the depth the distance: the gradient
@@ -36,25 +33,18 @@ is left of a kink there is of second order in the angles.
 from __future__ import annotations
 
 from math import sqrt
-from typing import Annotated, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
-import scipy
 
-from shellcut.arrays import Bools, Floats, Ints, Vec3
+from shellcut.arrays import Floats, Vec3
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import add_scaled, combine, cross, dot, load, norm, scale, sub
 
 from .signed_distance import TriangleGrid, closest_of_side
-from .tool import Tool
 
 # Of a dot product of normals: planes that agree so far are the same.
 _PARALLEL = 1e-12
-
-# Of an edge's length: vertices so far above a plane still lie in it.
-_IN_PLANE = 1e-9
 
 # Of the radius: constraints violated by less are met.
 _MET = 1e-12
@@ -63,80 +53,6 @@ _MET = 1e-12
 _BESIDE = 1e-12
 
 _MOST_ROUNDS = 16
-
-# Sine of the turn of an edge that is more than a line between facets, 5 deg; and how far beside it
-# a triangle may reach above the plane of the other, over its size and the sine of the turn.
-_VISIBLE, _HOLLOW = 0.087, 0.25
-
-
-class ConvexNeighbours(NamedTuple):
-    """Triangles across the convex edges of each, whose planes may bound the solid there."""
-
-    start: Annotated[Ints, "(n_triangle + 1,)"]
-    """First entry of each triangle, and the end."""
-    triangle: Annotated[Ints, "(n_neighbour,)"]
-    """One triangle of each plane."""
-
-    @classmethod
-    def of(cls, tool: Tool) -> ConvexNeighbours:
-        """Return those of a tool, found once."""
-        found = _FOUND.get(tool)
-        if found is None:
-            found = _FOUND[tool] = _neighbours(tool)
-        return found
-
-
-_FOUND: WeakKeyDictionary[Tool, ConvexNeighbours] = WeakKeyDictionary()
-
-
-def _neighbours(tool: Tool) -> ConvexNeighbours:
-    """Find the convex neighbours of all triangles."""
-    n, normals = tool.n_triangle, tool.triangle_normals
-    rows = np.repeat(np.arange(n), 3)
-    has = scipy.sparse.csr_array(
-        (np.ones(3 * n, np.int32), (rows, tool.triangles.ravel())), shape=(n, tool.n_vertex)
-    )
-    share = (has @ has.T).tocoo()
-    flat = np.einsum("ij,ij->i", normals[share.row], normals[share.col]) > 1.0 - _PARALLEL
-    coplanar = scipy.sparse.csr_array(
-        (share.data[flat], (share.row[flat], share.col[flat])), shape=(n, n)
-    )
-    near = (coplanar @ share.tocsr()).tocoo()
-    a, b = near.row.astype(np.int64), near.col.astype(np.int64)
-    kept = _stand_convexly(tool, a, b)
-    a, b = _one_of_each_plane(a[kept], b[kept], normals)
-    return ConvexNeighbours(start=np.searchsorted(a, np.arange(n + 1)), triangle=b)
-
-
-def _stand_convexly(tool: Tool, a: Ints, b: Ints) -> Bools:
-    """Return whether two triangles of pairs (a, b) lie below each other's planes.
-
-    Across an edge that turns visibly, one of them may be bent up a little: a flank of facets that
-    is hollow along the edge.
-    """
-    normals, corners = tool.triangle_normals, tool.vertices[tool.triangles]
-    cosine = np.einsum("ij,ij->i", normals[a], normals[b])
-    sine = np.linalg.norm(np.cross(normals[a], normals[b]), axis=1)
-    size = np.linalg.norm(np.ptp(corners, axis=1), axis=1)
-    bent = np.where(sine > _VISIBLE, _HOLLOW * sine, _IN_PLANE)
-    slack = (bent * np.maximum(size[a], size[b]))[:, None]
-    above = np.einsum("ikj,ij->ik", corners[b] - corners[a][:, :1], normals[a])
-    below = np.einsum("ikj,ij->ik", corners[a] - corners[b][:, :1], normals[b])
-    convex = ((above <= slack) & (below <= slack)).all(axis=1)
-    return np.asarray(convex & (np.abs(cosine) < 1.0 - _PARALLEL))
-
-
-def _one_of_each_plane(a: Ints, b: Ints, normals: Floats) -> tuple[Ints, Ints]:
-    """Return the pairs (a, b), ascending, without those whose b has the plane of another at a.
-
-    Those around one triangle that stand convexly to it and are parallel lie in one plane.
-    """
-    same = np.round(normals[b], 9) + 0.0
-    order = np.lexsort((b, *same.T, a))
-    a, b, same = a[order], b[order], same[order]
-    first = np.ones(a.size, np.bool_)
-    first[1:] = (a[1:] != a[:-1]) | (same[1:] != same[:-1]).any(axis=1)
-    return a[first], b[first]
 
 
 @inline
@@ -161,7 +77,6 @@ def rounded_depth(
     side: int,
     radius: float,
     grid: TriangleGrid,
-    around: ConvexNeighbours,
 ) -> tuple[float, Vec3, int]:
     """Return D of a point inside [mm], the unit direction out, and the other face that gives it.
 
@@ -174,8 +89,7 @@ def rounded_depth(
     normals = grid.surface.pseudo_normals
     face = normals[triangle, 0, 0], normals[triangle, 0, 1], normals[triangle, 0, 2]
     g, out = face_depth(p, q, face)
-    # Deeper than r, or far from convex edges, D is the depth below the face.
-    if not 0.0 <= g < radius or _no_edge_near(p, g, out, triangle, side, radius, grid, around):
+    if not 0.0 <= g < radius:  # deeper than r, D is the depth below the face
         return g, out, triangle
     w, other = offset_from_opened(p, g, out, triangle, side, radius, grid)
     length = norm(w)
@@ -209,34 +123,6 @@ def depth_under_faces(
     w = combine(of_n, n, of_other, other)
     length = norm(w)
     return inside, radius - length, scale(1.0 / length, w)
-
-
-@always_inline
-def _no_edge_near(
-    p: Vec3,
-    g: float,
-    out: Vec3,
-    triangle: int,
-    side: int,
-    radius: float,
-    grid: TriangleGrid,
-    around: ConvexNeighbours,
-) -> bool:
-    """Return whether the point of S that lies straight in from p can be reached by no other face.
-
-    g, out : depth of p and outward direction from it to its closest triangle.
-    """
-    corners, flank, normals = grid.surface.corners, grid.surface.flank, grid.surface.pseudo_normals
-    for k in range(around.start[triangle], around.start[triangle + 1]):
-        t = around.triangle[k]
-        if side * flank[t] < 0:
-            continue
-        normal = normals[t, 0, 0], normals[t, 0, 1], normals[t, 0, 2]
-        corner = corners[t, 0, 0], corners[t, 0, 1], corners[t, 0, 2]
-        depth = dot(sub(corner, p), normal) + (radius - g) * dot(normal, out)
-        if depth < radius * (1.0 - _MET):
-            return False
-    return True
 
 
 @inline

@@ -313,10 +313,10 @@ def ball_clearance(
 
 @inline
 def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> float:
-    """Return a distance than which no triangle of the side that a cell does not list is closer [mm].
+    """Return how far triangles of the side that a cell does not list are away at least [mm].
 
-    From a point that is ``off_centre`` from the cell's centre. A cell lists all that is closer to
-    that than the closest of the side and its diagonal.
+    From a point that is ``off_centre`` from its centre. The cell lists all that is closer to that
+    than the closest of the side and its diagonal.
     """
     cell_start, cell_triangles, cell_distance = grid.lists
     for k in range(cell_start[cell], cell_start[cell + 1]):
