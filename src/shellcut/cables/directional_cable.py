@@ -83,7 +83,7 @@ from .cohesive_law import (
     traction,
 )
 from .joint_slip import joint_law
-from .meeting import meet_edge
+from .meeting import has_come_to_edge, meet_edge
 
 # What a checkpoint keeps of them; the cables are in the state.
 _KEPT = "touch", "n_joint_made", "n_broken"
@@ -302,9 +302,9 @@ def _add_cable_forces(
             continue
         minus, plus = at_end(c, 0, nodes.x, cables), at_end(c, 1, nodes.x, cables)
         # An edge bends a cable once, from the first meeting on [Frangi2010].
-        may_meet = tables.directional and status[c] == STRAIGHT
         met = False
-        if may_meet:
+        may_meet = tables.directional and status[c] == STRAIGHT
+        if may_meet and has_come_to_edge(c, minus, plus, pose, tables):
             met = meet_edge(c, minus, plus, pose, before, address)
         if met:
             status[c] = JOINTED

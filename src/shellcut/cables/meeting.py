@@ -24,10 +24,11 @@ import numpy as np
 
 from shellcut.arrays import Vec3
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import inline
+from shellcut.numerics.jit import always_inline, inline
 from shellcut.numerics.vec3 import combine, dot, load, norm, store, sub
 from shellcut.state import local_edge_length
 from shellcut.tool.cutting_edge import (
+    BACK,
     CUT_DEPTH,
     NORMAL,
     START,
@@ -48,6 +49,29 @@ from .joint_slip import slide
 # the local edge length sqrt(quad area), and if its flanks face the blade: |m · b| above cos 60°.
 _BESIDE_REACH = 0.5
 _FACING = 0.5
+
+# Of a depth behind the edge, in local edge lengths.
+_ROUND_OFF = 1e-6
+
+
+@always_inline
+def has_come_to_edge(c: int, x_minus: Vec3, x_plus: Vec3, pose: Pose, tables: CableTables) -> bool:
+    """Return whether an end of cable c has come to a segment of the cutting edge near it.
+
+    Until then the edge cannot have met the cable. It is a test of a few products, for each step.
+    """
+    edges, segments = tables.edges, tables.edges.segments
+    size = local_edge_length(tables.nodes.contact_area[tables.cables.ends[c, 0]])
+    reach, deepest, before = _BESIDE_REACH * size, CUT_DEPTH * size, -_ROUND_OFF * size
+    minus, plus = to_body(x_minus, pose), to_body(x_plus, pose)
+    for run in range(edges.low.shape[0]):
+        if not may_own(minus, plus, reach, deepest, run, edges):
+            continue
+        for k in range(edges.first[run], edges.first[run + 1]):
+            a, back = segment_part(segments, k, START), segment_part(segments, k, BACK)
+            if max(dot(sub(minus, a), back), dot(sub(plus, a), back)) >= before:
+                return True
+    return False
 
 
 @inline

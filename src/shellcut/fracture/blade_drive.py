@@ -161,9 +161,9 @@ class BladeDrive:
         if len(x) != len(self.driven.time):
             self._allocate(len(x))
         found = self.driven
-        parts = found.rotation, found.translation, found.spin, found.velocity
-        for part, value in zip(parts, self._seen_from_film(time, time), strict=True):
-            part[:] = value
+        R, r, spin, velocity = self._seen_from_film(time, time)
+        found.rotation[:], found.translation[:] = R, r
+        found.spin[:], found.velocity[:] = spin, velocity
         found.time[:], found.has_next[:] = time, True
         # Up to which a film that moves is followed.
         latest = np.inf if self._film is None else time + _FORESEEN * self._film.tick
@@ -176,9 +176,9 @@ class BladeDrive:
                 break
             for i in np.flatnonzero(found.has_next).tolist():
                 later = found.time[i] = min(float(found.time[i]), latest)
-                there = self._seen_from_film(later, time)
-                for part, value in zip(parts, there, strict=True):
-                    part[i] = value
+                R, r, spin, velocity = self._seen_from_film(later, time)
+                found.rotation[i], found.translation[i] = R, r
+                found.spin[i], found.velocity[i] = spin, velocity
             more = k < ITERATIONS - 1
             count = self._try_poses(*tried, False, more)
         return found
