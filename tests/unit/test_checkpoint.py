@@ -455,6 +455,32 @@ def test_a_run_interrupted_again_and_again_goes_on(uninterrupted, tmp_path):
 
 
 @pytest.mark.skipif(not matplotlib, reason="needs shellcut-fem[plot]")
+def test_a_picture_that_does_not_fit_is_drawn_when_the_run_goes_on(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", matplotlib)
+    records = {"n_row": 10, "n_frame": 8, "n_snapshot": 3, "progress": False}
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    Case("cut", still(), 8e-6).run(whole, **records)
+    draw = shellcut.recording.recorder.draw_scene
+
+    def full(path, *given, **options):
+        if path.stem == "snapshot_01":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        draw(path, *given, **options)
+
+    # The error of the other thread ends the run.
+    monkeypatch.setattr(shellcut.recording.recorder, "draw_scene", full)
+    with pytest.raises(OSError, match=r"No space left.*snapshot_01"):
+        Case("cut", still(), 8e-6).run(part, **records)
+    assert not (part / "summary.json").exists()
+    monkeypatch.setattr(shellcut.recording.recorder, "draw_scene", draw)
+    resumed(part, still(), 8e-6)
+    pictures = sorted(path.name for path in whole.glob("*.png"))
+    assert sorted(path.name for path in part.glob("*.png")) == pictures
+    for name in (*pictures, "history.csv"):
+        assert (part / name).read_bytes() == (whole / name).read_bytes()
+
+
+@pytest.mark.skipif(not matplotlib, reason="needs shellcut-fem[plot]")
 def test_pictures_and_counts_go_on_where_they_were(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", matplotlib)
     records = {"n_row": 10, "n_frame": 2, "n_snapshot": 2, "progress": False}
