@@ -169,7 +169,10 @@ class Recorder:
         """Begin the files of the run, or resume them where its checkpoint is."""
         columns = [(column, unit) for column, unit, _ in self._row()]
         curve = self.resistance.columns[0][0]
-        self._files = RunFiles(self.folder, self.name, curve, columns=columns, also=also)
+        n_node = self._sim.mesh.n_node
+        self._files = RunFiles(
+            self.folder, self.name, curve, columns=columns, also=also, n_node=n_node
+        )
         with ExitStack() as on_error:
             on_error.callback(self._files.release)
             if chosen.resume:

@@ -26,8 +26,9 @@ from shellcut.results.history import HistoryWriter, Written
 from shellcut.results.run_results import summary_in
 from shellcut.results.vtkhdf import VtkHdfWriter
 
-# Frames that may wait to be written and drawn: as many as are due while a picture is drawn.
-_MOST_PENDING = 8
+# Frames that may wait to be written and drawn, as many as are due while a picture of a small film
+# is drawn; and nodes of all of them together.
+_MOST_PENDING, _MOST_NODES = 8, 200_000
 
 
 class FolderLost(OSError):
@@ -39,10 +40,16 @@ class FrameOutput:
 
     Making, packing and writing a frame takes as long as forty steps of a small film, a picture ten
     times that. So the run only waits where many frames are pending, or for complete files.
+
+    Parameters
+    ----------
+    file : VtkHdfWriter
+    n_node : int
+        Size of the film: of a large one a single frame may be pending.
     """
 
-    def __init__(self, file: VtkHdfWriter) -> None:
-        self._file = file
+    def __init__(self, file: VtkHdfWriter, n_node: int) -> None:
+        self._file, self._most = file, max(1, min(_MOST_PENDING, _MOST_NODES // n_node))
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._pending: deque[Future[None]] = deque()
         self.failed = False
@@ -67,7 +74,7 @@ class FrameOutput:
             if draw is not None:
                 draw(frame)
 
-        self._wait(_MOST_PENDING - 1)
+        self._wait(self._most - 1)
         # With the units in which the caller shows values.
         self._pending.append(self._thread.submit(copy_context().run, work))
 
@@ -109,7 +116,7 @@ class RunFiles:
     folder with :meth:`release`. A folder that is missing is created; one in which another run
     writes is refused. ``curve`` is the quantity plotted over the run, like ``"torque"``,
     ``columns`` are names and units of the history, ``also`` names further files that belong to the
-    run.
+    run, ``n_node`` is the size of the film.
     """
 
     history: HistoryWriter
@@ -123,11 +130,13 @@ class RunFiles:
         *,
         columns: Sequence[tuple[str, str]],
         also: Sequence[str],
+        n_node: int,
     ) -> None:
         if name != Path(name).name or not name.isprintable():
             raise ValueError(f"name must be the stem of a file, without a folder, got {name!r}")
         self.folder, self._name = Path(folder), name
         self._curve, self._columns, self._also = curve, columns, also
+        self._n_node = n_node
         self._taken = TakenFolder(self.folder)
         self.lost = False
         """Whether the folder is no longer the one of this run."""
@@ -238,4 +247,4 @@ class RunFiles:
         except BaseException:
             self.history.close()
             raise
-        self.frames = FrameOutput(result)
+        self.frames = FrameOutput(result, self._n_node)
