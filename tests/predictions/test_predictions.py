@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from prediction import Figure, Prediction, Run, found
-from run import CASES, DOCS, band, case_of
+from run import CASES, DOCS, case_of, kept_rows, page, published
 
 
 @pytest.mark.slow
@@ -29,7 +29,7 @@ def test_the_page_shows_what_is_declared(name):
     for text in (case.title, case.source, case.sure, case.model, case.said):
         assert text in page
     for one in case.figures:
-        assert f"| {one.name} | {one.published} | {band(one)} |" in page
+        assert f"| {one.name} | {published(one)} |" in page
 
 
 def test_an_error_bar_has_mesh_speed_and_scatter():

@@ -312,6 +312,24 @@ def test_what_the_quads_resolve_of_a_glue_is_said():
     assert unsure == f"{said} (doubtful: the quads do not resolve how it peels)"
 
 
+def test_a_fold_too_small_for_tears_is_doubted_where_the_film_may_crack():
+    mesh = rectangle(4.0, 2.0, size=0.5)
+
+    def doubts(energy, **options):
+        glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=energy)
+        sim = sc.Simulation(mesh, FILM, terms=[glue], **options)
+        return [one for one in sc.check_model(sim, 1e-3).doubts if "flap" in one.holds]
+
+    (small,) = doubts(0.1, law=sc.CohesiveLaw())
+    assert small.came == "1.1 sides"
+    assert small.remedy == "make the quads 0.37 mm small"
+    assert doubts(0.05, law=sc.CohesiveLaw()) == []  # 1.6 sides
+    assert doubts(0.1) == []
+    tool = sc.tool_shapes.straight_blade()
+    led = {"tool": tool, "motion": sc.StraightMotion((1.0, 0.0, 0.0), 1e3)}
+    assert doubts(0.1, law=sc.CohesiveLaw(), **led) == []
+
+
 def test_glue_supports_a_film():
     """Without a support, glue alone keeps the piece: no doubt of a film that nothing supports."""
     mesh = rectangle(4.0, 2.0, size=0.5)

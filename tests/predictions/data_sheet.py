@@ -1,0 +1,226 @@
+"""Films from their data sheets: the tear figures that a sheet does not give, before any comparison.
+
+``python tests/predictions/data_sheet.py`` prints what follows from the sheets alone, without a run.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import shellcut as sc
+from prediction import Figure, Prediction, Run
+from shellcut.models.oscillating import bar_before, film_before, motion_of
+from shellcut.models.trouser import trouser_strip
+from shellcut.view import Curve, Diagram, draw_curves
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """What a data sheet says of a film, and Poisson's ratio and density where they are guessed."""
+
+    thickness: float
+    young: float
+    curve: tuple[tuple[float, float], ...]
+    """Nominal strain and stress [MPa], from the yield to the break."""
+    poisson: float = 0.38
+    density: float = 1.4e-9
+
+    def material(self, yields=True):
+        """Return the film; the true stress is linear in the true strain between the points."""
+        film = sc.Elastic(self.young, self.poisson, self.density)
+        if yields:
+            strain, stress = np.array(self.curve).T
+            true = stress * (1.0 + strain)
+            plastic = np.log1p(strain) - true / self.young
+            film = sc.Plastic(film, sc.Table(plastic - plastic[0], true))
+        return sc.ShellMaterial([sc.Layer(film, self.thickness)], points_per_layer=5)
+
+    def energy(self, force):
+        """Return G [N/mm] of a mean force on each of two legs [N] that do not yield."""
+        return 2.0 * force / self.thickness
+
+    def yielding_leg(self, energy):
+        """Return the breadth of a leg below which it may yield, 3 E G / sigma_y² [mm]."""
+        return 3.0 * self.young * energy / self.curve[0][1] ** 2
+
+
+def law_of(energy, strength):
+    """Return a law with the shape of that of the trouser test."""
+    opening = energy / (0.685 * strength)
+    return sc.CohesiveLaw(
+        strength=strength,
+        plateau=0.8 * strength,
+        opening_a=opening / 6.0,
+        opening_p=opening * 2.0 / 3.0,
+        opening_u=opening,
+        onset=opening / 120.0,
+    )
+
+
+SLEEVE = Sheet(0.25, 1900.0, ((0.03, 50.0), (1.0, 50.5)), density=1.3e-9)
+"""Film A. The sheet gives no elongation at break; the stress hardly changes after the yield."""
+POLYIMIDE = Sheet(0.025, 2500.0, ((0.03, 69.0), (0.05, 90.0), (0.72, 231.0)), poisson=0.34)
+"""Film B."""
+POLYESTER = Sheet(0.012, 3790.0, ((0.025, 95.0), (0.95, 210.0)))
+"""Film C: the mean of both directions; the yield stress is that of `pet`."""
+SLEEVE_TORN = {"machine": 34.0, "cross": 37.0}
+"""Trouser tear of film A [N/mm of thickness]."""
+POLYIMIDE_LEG = 0.07
+"""Elmendorf force of film B [N]."""
+POLYESTER_ENERGY = 6.0, 3.0, 9.0
+"""Of film C [N/mm], guessed with its band: a polyester film of 15 µm has 6.0 [Millar2016]."""
+TORN_BELOW = 0.9
+"""Strength of the cables over the least nominal stress of a film that has yielded: below it, or
+cracks could not open, and the process zone is as short as that allows."""
+SLEEVE_STRENGTH = TORN_BELOW * SLEEVE.curve[0][1]
+
+TROUSER, PENDULUM = (25.4, 56.0, 12.7), (76.0, 66.0, 12.7)
+"""Width, length and notch of the strips [mm]; D1938, and D1922 with its legs of 38 mm."""
+SPEED, RISE = 2500.0, 3e-4
+PROBE, TRAVEL = 3.2, 24.0
+"""Diameter of the probe, which falls half a metre, and its way [mm]."""
+PROBE_SPEED = 3160.0
+JAWS = 12.7
+"""Half the distance of the jaws, depth of the notch, and film left above it [mm] (D1004)."""
+
+
+def rising(speed):
+    """Return a velocity that rises to a speed [mm/s]."""
+    return lambda time: speed * min(1.0, time / RISE)
+
+
+def legs(size, energy, wide=False):
+    """Tear film A between two legs; return the mean force on a leg, and its course."""
+    width, length, notch = PENDULUM if wide else TROUSER
+    mesh = trouser_strip(length, width, size)
+    pulled = [
+        sc.Support(leg, translation="yz", rotation="", velocity={"z": rising(speed)})
+        for leg, speed in (("up", SPEED), ("down", -SPEED))
+    ]
+    sim = sc.Simulation(
+        mesh,
+        SLEEVE.material(),
+        supports=[sc.Support.clamped("tail"), *pulled],
+        law=law_of(energy, SLEEVE_STRENGTH),
+        fracture=sc.Fracture(path="free", check_every=20, fibres=6),
+        damping_alpha=50.0,
+    )
+    sim.notch((-length, 0.0, 0.0), (notch, 0.0, 0.0))
+    up, down = (mesh.node_set(leg)[0] for leg in ("up", "down"))
+    rows, end = [(0.0, 0.0)], 0.65 * length
+    while rows[-1][0] < end and sim.cracks.tips:
+        for _ in range(200):
+            sim.step()
+        z = sim.state.node.x[:, 2]
+        rows.append((0.5 * (z[up] - z[down]), sim.close_ledger().support_work))
+    way, work = np.array(rows).T
+    late = way > 0.6 * end
+    force = 0.5 * np.polyfit(way[late], work[late], 1)[0]
+    return {"force": float(force), "way": way.round(3).tolist(), "work": work.round(3).tolist()}
+
+
+def probe(size, energy, cuts):
+    """Drive the probe through film A from one cut or two; return its force and the cracks."""
+    length, width = TRAVEL + 12.0, 30.0
+    mesh = film_before(PROBE, size=size, length=length, width=width, band=5.0)
+    sim = sc.Simulation(
+        mesh,
+        SLEEVE.material(),
+        supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        tool=bar_before(PROBE, 10.0),
+        motion=motion_of(PROBE_SPEED),
+        law=law_of(energy, SLEEVE_STRENGTH),
+        contact=sc.Contact(penalty=200.0, friction=0.2),
+        fracture=sc.Fracture(path="free", check_every=20, fibres=6),
+        damping_beta=3e-9,
+    )
+    for y in (0.3,) if cuts == 1 else (-0.5, 0.5):
+        sim.notch((-length, y * PROBE, 0.0), (1.5 * PROBE, y * PROBE, 0.0))
+    rows = [(0.0, 0.0, 0.0)]
+    while rows[-1][0] < TRAVEL and sim.cracks.tips:
+        for _ in range(200):
+            sim.step()
+        way = sim.motion.coordinate(sim.state.time)
+        rows.append((way, sim.ledger.tool_work, sim.state.crack_length))
+    way, work, crack = np.array(rows).T
+    late = way > 0.5 * way[-1]
+    return {
+        "force": float(np.polyfit(way[late], work[late], 1)[0]),
+        "crack over way": float(np.polyfit(way[late], crack[late], 1)[0]),
+        "way": way.round(3).tolist(),
+        "work": work.round(3).tolist(),
+    }
+
+
+def notched(size):
+    """Return the film between the jaws of D1004, with a notch of 90° from below."""
+    x, step = [0.0], size
+    while x[-1] < JAWS:
+        step = min(1.25 * step, 4.0 * size) if x[-1] > 2.5 else size
+        x.append(x[-1] + step)
+    k = int(np.searchsorted(x, 2.5))
+    x = np.array(x)
+    x[k:] = x[k] + (x[k:] - x[k]) * (JAWS - x[k]) / (x[-1] - x[k])
+    x = np.concatenate([-x[:0:-1], x])
+    low = JAWS - np.abs(x)
+    share = np.linspace(0.0, 1.0, round(JAWS / size) + 1)[:, None]
+    y = low + share * (2.0 * JAWS - low)
+    # A shape of some micrometres, from which the film may buckle.
+    z = np.random.default_rng(1).uniform(-5e-4, 5e-4, y.shape)
+    nodes = np.stack([np.broadcast_to(x, y.shape), y, z], axis=-1).reshape(-1, 3)
+    ids = np.arange(len(nodes)).reshape(y.shape)
+    quads = np.stack([ids[:-1, :-1], ids[:-1, 1:], ids[1:, 1:], ids[1:, :-1]], axis=-1)
+    return sc.Mesh.from_arrays(nodes, quads.reshape(-1, 4))
+
+
+def graves(size, sheet, energy=None, speed=200.0):
+    """Pull the notched film; return its largest force.
+
+    With an energy, it is elastic and has a slit of 0.6 mm at the notch, and tears. Without one it
+    yields, and is whole, until the film at the notch has the elongation at break.
+    """
+    mesh, films = notched(size), {"polyimide": POLYIMIDE, "polyester": POLYESTER}
+    film, x = films[sheet], mesh.nodes[:, 0]
+    jaws = np.flatnonzero(x < x.min() + 1e-9), np.flatnonzero(x > x.max() - 1e-9)
+    moved = [
+        sc.Support(jaw, velocity={"x": rising(v)})
+        for jaw, v in zip(jaws, (-0.5 * speed, 0.5 * speed), strict=True)
+    ]
+    tears = {}
+    if energy:
+        tears["law"] = law_of(energy, film.curve[0][1])
+        tears["fracture"] = sc.Fracture(path="free", check_every=10, fibres=6)
+    material = film.material(yields=not energy)
+    sim = sc.Simulation(mesh, material, supports=moved, damping_alpha=500.0, **tears)
+    if energy:
+        sim.notch((1e-3 * size, 0.9 * JAWS, 0.0), (1e-3 * size, JAWS + 0.6, 0.0))
+    at = int(np.linalg.norm(mesh.nodes[:, :2] - (0.0, JAWS), axis=1).argmin())
+    side = mesh.quads[(mesh.quads[:, 0] == at).argmax()][:2]
+    length = float(np.linalg.norm(np.diff(mesh.nodes[side], axis=0)))
+    broken, rows = film.curve[-1][0], []
+    while True:
+        for _ in range(100):
+            sim.step()
+        x = sim.state.node.x
+        stretch = float(np.linalg.norm(np.diff(x[side], axis=0))) / length - 1.0
+        rows.append((speed * sim.state.time, sim.state.node.reaction[jaws[1], 0].sum()))
+        torn = energy and (sim.state.crack_length > 5.0 or not sim.cracks.tips)
+        if torn or (not energy and stretch > broken):
+            break
+    way, force = np.array(rows).T
+    smooth = np.convolve(force, np.full(5, 0.2), "valid")
+    step = max(1, len(way) // 100)
+    return {
+        "force": float(smooth.max()),
+        "way": way[::step].round(4).tolist(),
+        "course": force[::step].round(4).tolist(),
+    }
+
+
+TESTS = {"legs": legs, "probe": probe, "graves": graves}
+
+
+def run(test, **keys):
+    """Run one of the tests."""
+    return TESTS[test](**keys)
