@@ -4,12 +4,12 @@
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 import shellcut as sc
-from prediction import Figure, Prediction, Run
+from prediction import BLIND, KNOWN, Figure, Prediction, Run
 from shellcut.models.oscillating import bar_before, film_before, motion_of
 from shellcut.models.trouser import trouser_strip
 from shellcut.view import Curve, Diagram, draw_curves
@@ -78,7 +78,7 @@ SLEEVE_STRENGTH = TORN_BELOW * SLEEVE.curve[0][1]
 TROUSER, PENDULUM = (25.4, 56.0, 12.7), (76.0, 66.0, 12.7)
 """Width, length and notch of the strips [mm]; D1938, and D1922 with its legs of 38 mm."""
 SPEED, RISE = 2500.0, 3e-4
-PROBE, TRAVEL = 3.2, 24.0
+PROBE, TRAVEL = 3.2, 18.0
 """Diameter of the probe, which falls half a metre, and its way [mm]."""
 PROBE_SPEED = 3160.0
 JAWS = 12.7
@@ -224,3 +224,135 @@ TESTS = {"legs": legs, "probe": probe, "graves": graves}
 def run(test, **keys):
     """Run one of the tests."""
     return TESTS[test](**keys)
+
+
+GRAVES_BELOW, GRAVES_ABOVE, NICK = 0.78, 0.8, 1.15
+"""Least force over that of a film with a slit: speed, jaws and modulus, 15, 15 and 5 %. Largest
+force over that at which the whole film has the elongation at break. Most likely force over that
+with a slit: a die leaves nicks smaller than it."""
+PENDULUM_BAND = 0.35
+"""Of the pendulum's force: speed 30 %, jaws 15 %, yield stress 10 %."""
+
+
+def said(value, low, high):
+    """Return a value with its band, in words."""
+    return f"{value:.2g}, 90 %: {low:.2g} to {high:.2g}"
+
+
+def estimates(results):
+    """Return what is asked for, from the runs."""
+    force = {name: one["force"] for name, one in results.items() if "force" in one}
+    given, tried = {}, np.array(LEGS_TRIED)
+    narrow, wide = (
+        np.array([force[f"{name}, G = {energy:g}"] for energy in LEGS_TRIED])
+        for name in ("trouser", "pendulum")
+    )
+    for direction, torn in SLEEVE_TORN.items():
+        leg = torn * SLEEVE.thickness
+        energy = float(np.polyval(np.polyfit(narrow, tried, 1), leg))
+        pendulum = float(np.polyval(np.polyfit(tried, wide, 1), energy))
+        given[f"film A: G in {direction} direction [N/mm]"] = f"{energy:.2g}"
+        parts = {"guessed": PENDULUM_BAND * pendulum}
+        given[f"film A: Elmendorf force, {direction} direction [N]"] = pendulum, parts, 4
+    for name, energies in (("B", (1.0, 1.0, 1.0)), ("C", POLYESTER_ENERGY)):
+        slit, whole = (force[f"{name}, {how}"] for how in ("with a slit", "whole"))
+        middle, low, high = (slit * math.sqrt(one / energies[0]) for one in energies)
+        given[f"film {name}: largest force, Graves [N]"] = said(
+            NICK * middle, GRAVES_BELOW * low, max(GRAVES_ABOVE * whole, NICK * high)
+        )
+    return given
+
+
+def picture(results, path):
+    """Draw the forces of the legs and of the notched films over the way."""
+    of_legs, of_notches = [], []
+    for name, one in results.items():
+        way = np.array(one["way"])
+        if "course" in one:
+            style = {"B": "c0", "C": "c3"}[name[0]]
+            of_notches.append(Curve(f"film {name}", one["course"], style, x=way))
+        elif "work" in one and "crack over way" not in one:
+            force = 0.5 * np.gradient(np.array(one["work"]), way)
+            smooth = np.convolve(force, np.full(5, 0.2), "same")
+            style = "c0" if name.startswith("trouser") else "c3"
+            of_legs.append(Curve(name.partition(",")[0], smooth[:-3], style, x=way[:-3]))
+    draw_curves(
+        path,
+        [
+            Diagram([0.0, 40.0], of_legs, "path of a leg", "mm", "force", "N", "film A"),
+            Diagram([0.0, 1.5], of_notches, "path of the jaws", "mm", "force", "N", "Graves"),
+        ],
+        columns=2,
+        size=(10.0, 4.6),
+    )
+
+
+LEGS_TRIED = 42.0, 54.0
+"""G [N/mm]; the trouser forces lie on both sides of that on the sheet."""
+
+
+def _runs():
+    for energy in LEGS_TRIED:
+        keys = {"test": "legs", "energy": energy}
+        yield f"trouser, G = {energy:g}", Run({**keys, "size": 0.7}, 0.7)
+        yield f"pendulum, G = {energy:g}", Run({**keys, "size": 1.0, "wide": True}, 1.0)
+    for name, sheet, energy in (
+        ("B", "polyimide", POLYIMIDE.energy(POLYIMIDE_LEG)),
+        ("C", "polyester", POLYESTER_ENERGY[0]),
+    ):
+        keys = {"test": "graves", "sheet": sheet, "size": 0.4}
+        yield f"{name}, with a slit", Run({**keys, "energy": energy}, 0.4, short=True)
+        yield f"{name}, whole", Run({**keys, "speed": 400.0}, 0.4)
+    for cuts in (1, 2):
+        keys = {"test": "probe", "size": 0.8, "energy": 48.0, "cuts": cuts}
+        yield f"probe, cuts: {cuts}", Run(keys, 0.8)
+
+
+PREDICTION = Prediction(
+    title="Films from their data sheets",
+    source="""SOURCE""",
+    sure="""SURE""",
+    model="""MODEL""",
+    figures=(
+        *(
+            Figure(f"film A: {what}, {direction} direction [N]", "withheld", waits=BLIND)
+            for what in ("Elmendorf force", "snag resistance")
+            for direction in SLEEVE_TORN
+        ),
+        Figure("film A: what the snag leaves", "withheld", waits=BLIND),
+        Figure("film B: largest force, Graves [N]", "withheld", waits=KNOWN),
+        Figure("film C: largest force, Graves [N]", "withheld", waits=BLIND),
+    ),
+    runs=dict(_runs()),
+    run=run,
+    picture=picture,
+    derive=estimates,
+    said="""SAID""",
+    caption="Forces of the legs of film A and of the notched films B and C",
+)
+
+
+def main():
+    """Print what follows from the sheets alone."""
+    films = {
+        "A, machine": (SLEEVE, SLEEVE_TORN["machine"] * SLEEVE.thickness),
+        "A, cross": (SLEEVE, SLEEVE_TORN["cross"] * SLEEVE.thickness),
+        "B": (POLYIMIDE, POLYIMIDE_LEG),
+    }
+    for name, (film, leg) in films.items():
+        energy = film.energy(leg)
+        print(
+            f"film {name}: force on a leg {leg:.3g} N, 2 F/h = {energy:.3g} N/mm, "
+            f"legs yield below {film.yielding_leg(energy):.3g} mm"
+        )
+    for name, film, energies in (
+        ("B", POLYIMIDE, [POLYIMIDE.energy(POLYIMIDE_LEG)]),
+        ("C", POLYESTER, POLYESTER_ENERGY),
+    ):
+        for energy in energies:
+            zone = film.young * energy / film.curve[0][1] ** 2
+            print(f"film {name}: G {energy:.3g} N/mm, process zone E G/σ² {zone:.3g} mm")
+
+
+if __name__ == "__main__":
+    main()

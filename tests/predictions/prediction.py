@@ -29,6 +29,11 @@ TESTS = Path(__file__).resolve().parents[1]
 sys.path += [str(TESTS), str(TESTS / "verification")]
 
 
+BLIND, KNOWN = "*blind, not compared yet*", "*not blind, not compared yet*"
+"""Results before the comparison: nobody who made the prediction knows the value, or somebody may.
+"""
+
+
 @dataclass(frozen=True)
 class Figure:
     """A published number.
@@ -45,8 +50,8 @@ class Figure:
         What the mean of the short runs must lie in where that is not the band, because our figure
         misses it or only finer meshes reach it: four standard deviations of such a mean and more
         about it.
-    blind : bool
-        Whether nobody who made the prediction has seen the published number.
+    waits : str
+        Result of a value that has not been compared yet, :data:`BLIND` or :data:`KNOWN`.
     """
 
     name: str
@@ -54,7 +59,7 @@ class Figure:
     low: float = math.nan
     high: float = math.nan
     short: tuple[float, float] | None = None
-    blind: bool = False
+    waits: str = ""
 
 
 @dataclass(frozen=True)
@@ -137,8 +142,8 @@ class Found:
     @property
     def verdict(self) -> str:
         """Hit or miss, in words."""
-        if self.figure.blind:
-            return "*blind, not compared yet*"
+        if self.figure.waits:
+            return self.figure.waits
         if math.isnan(self.figure.low):
             return "–"
         if self.hits:

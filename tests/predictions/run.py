@@ -21,8 +21,10 @@ CASES = (
     "converging_tears",
     "passing_cracks",
     "hyperbola",
-    "wedge_in_steel",
+    "torn_flap",
     "blunt_bar",
+    "wedge_in_steel",
+    "data_sheet",
 )
 
 
@@ -89,7 +91,8 @@ def text(one: Found):
 
 def published(one: Figure):
     """Return what is published, with the band that counts as a hit, if there is one."""
-    return f"{one.published} ({one.low:.4g} to {one.high:.4g})" if one.low < one.high else one.published
+    band = f" ({one.low:.4g} to {one.high:.4g})" if one.low < one.high else ""
+    return one.published + band
 
 
 def row(one: Found):
@@ -129,10 +132,10 @@ def page(rows):
         table += [f"| [**{cases[name].title}**](#{anchor(cases[name])}) | | | |", *some]
         bars += [f"| **{cases[name].title}** | | | | | | |", *of_bars] if of_bars else []
     verdicts = [one.split(" | ")[-1] for one in table]
-    return TEXT.format(
+    text = TEXT.format(
         n=sum("hit" in one or "miss" in one for one in verdicts),
         n_hit=sum("hit" in one for one in verdicts),
-        n_blind=sum("blind" in one for one in verdicts),
+        n_blind=sum(one.startswith("*blind") for one in verdicts),
         rows="\n".join(table),
         bars="\n".join(bars),
         sections="\n".join(
@@ -140,6 +143,16 @@ def page(rows):
             for name, case in cases.items()
         ),
         runs=sum(len(case.runs) for case in cases.values()),
+    )
+    return linked(text)
+
+
+def linked(text):
+    """Return a text whose citations are links to the references."""
+    return re.sub(
+        r"\[([A-Z]\w+(?:19|20)\d\d)\](?!\()",
+        lambda key: f"[{key[1]}](references.md#{key[1].lower()})",
+        text,
     )
 
 
