@@ -12,7 +12,7 @@ from shellcut.models.oscillating import BAR_FILM, BAR_LAW
 from shellcut.view import Curve, Diagram, draw_curves
 
 BARS = 6.0, 9.0, 12.0
-LENGTH, OFFSET = 14.0, 0.6
+LENGTH, OFFSET = 12.0, 0.6
 """Of the strip, and of the notch from the bar's line, over the bar's diameter."""
 BENDS = BAR_FILM["thickness"] * math.sqrt(BAR_FILM["young"] / (12.0 * BAR_LAW.fracture_energy))
 """Length over which the film bends beside its crack, h sqrt(E / 12 G) [mm]."""
@@ -70,6 +70,7 @@ def limits(results):
         ]
         x, y = np.array(points).T
         if len(set(x)) < LEAST:
+            given[f"{name}, limit"] = f"needs {LEAST} bars"
             continue
         fit = scipy.stats.linregress(x, y)
         t = float(scipy.stats.t.ppf(0.975, len(x) - 2))
@@ -105,16 +106,17 @@ def picture(results, path):
         x, y = np.array(sorted(points)).T
         fit = np.polyfit(x, y, 1)
         curves.append(Curve(name, np.polyval(fit, ends), style, x=ends))
-        curves.append(Curve(f"{name}, runs", y, style, x=x))
-        curves.append(Curve("limit", np.full(2, LIMIT[name]), "level", x=0.2 * ends))
+        curves.append(Curve(f"{name}, runs", y, style.replace("c", "p"), x=x))
+        curves.append(Curve("limit", np.full(2, LIMIT[name]), "work", x=0.2 * ends))
     diagrams.append(Diagram(ends, curves, "bending length / d", "", "", ""))
     draw_curves(path, diagrams, size=(9.0, 8.0))
 
 
 def _runs():
-    for d in BARS:
-        for off in range(3 if d == BARS[0] else 2):
-            yield f"{d:g} mm, {off}", Run({"d": d, "off": off}, COARSE, short=(d, off) == (6.0, 2))
+    for off in (0, 1, 3):
+        for d in BARS:
+            yield f"{d:g} mm, {off}", Run({"d": d, "off": off}, COARSE)
+    yield "6 mm, 2", Run({"d": 6.0, "off": 2}, COARSE, short=True)
     yield "finer", Run({"d": 6.0, "size": 0.375}, 0.375)
     yield "slower", Run({"d": 6.0, "speed": 1500.0}, COARSE, 0.5)
 
@@ -135,7 +137,7 @@ side of the hull that the bar passes. Each arc is then the involute of the last 
 wavelength is 4d/π = 1.273 d, its amplitude d/2, and the crack is twice as long as the path of the
 bar. This derivation and the bands of 10 % are ours.""",
     model="""The ready model `oscillating`: a film of 0.1 mm with 2200 MPa, 3 N/mm and 60 MPa, so
-that E G/σ² is 1.8 mm. Round bars of 6, 9 and 12 mm lean by 10° and move at 3 m/s. The strip is 14
+that E G/σ² is 1.8 mm. Round bars of 6, 9 and 12 mm lean by 10° and move at 3 m/s. The strip is 12
 by 6 diameters. The notch is 1.5 diameters long and lies 0.6 diameters beside the line of the bar.
 Quads have sides of 0.5 mm and, behind the bar of 6 mm, also of 0.375 mm. The crack counts once it
 has passed beyond the side of the bar. Repeated runs differ by a millionth of the thickness.
@@ -156,6 +158,20 @@ line over ℓ_b/d, at ℓ_b = 0.""",
     run=run,
     picture=picture,
     derive=limits,
-    said="""SAID""",
+    said="""**The limit has not been run yet.** It needs three bars or more, and the bar of 12 mm
+is missing; `python tests/predictions/run.py blunt_bar` runs what is missing. A fit to five single
+runs in other strips tends to 1.2 d ([oscillating cut](theory/oscillating.md)), beside 1.273 d.
+
+**With bars of 6 and 9 mm this film is far from the limit.** Its ℓ_b is 0.13 and 0.09 of the
+diameters; in the experiments it is 0.002 to 0.04 of the width. Waves are 16.7 mm long behind 6 mm
+and 18.7 mm behind 9 mm, where proportion would give 25.1 mm: the wavelength grows as d to the power
+0.28 ± 0.36, and the amplitude as d to the power 0.41 ± 0.15. At half the speed the wavelength
+changes by 6 % and the amplitude by 2 %, which is almost nothing, as published. In a strip of 28
+diameters, with 7 periods, the wavelength behind 6 mm is 2.87 ± 0.08 d.
+
+**A thinner film needs finer quads.** A film of 0.05 mm has ℓ_b = 0.39 mm. On quads of 0.5 mm its
+crack oscillates behind 6 mm from 55 mm on, and behind 9 mm hardly at all. On quads of 0.25 mm, in a
+strip of 16 diameters, the wave behind 6 mm is 1.83 d long and its amplitude is 0.517 d (one
+run).""",
     caption="Paths of the cracks; values over the bending length",
 )

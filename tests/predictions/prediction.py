@@ -144,7 +144,7 @@ class Found:
         """Hit or miss, in words."""
         if self.figure.waits:
             return self.figure.waits
-        if math.isnan(self.figure.low):
+        if math.isnan(self.figure.low) or self.words:
             return "–"
         if self.hits:
             return "hit"

@@ -18,17 +18,21 @@ GRIP, RISE = 4.5, 2e-4
 """Radius of the circle on which the end is folded back [mm], and rise of the speed [s]."""
 ENERGY, STRENGTH = 4.0, 24.0
 """Of the tears [N/mm], [MPa]."""
+SPEED = 2500.0
+"""Of the end, less where the glue is weak [mm/s]."""
 GLUES, THICKNESSES = (0.03, 0.06, 0.12), (0.1, 0.074)
+OTHERS = (GLUES[1], THICKNESSES[0], 12.0), (GLUES[0], THICKNESSES[1], 36.0)
+"""Glue, thickness and strength of tears with another process zone."""
 FINE, COARSE, TOO_COARSE = 0.25, 1.0 / 3.0, (0.5, 0.7, 1.0)
 """Sides of the quads [mm]."""
 
 
-def law():
+def law(strength):
     """Return the law of the tears, with the shape of that of the trouser test."""
-    opening = ENERGY / (0.685 * STRENGTH)
+    opening = ENERGY / (0.685 * strength)
     return sc.CohesiveLaw(
-        strength=STRENGTH,
-        plateau=0.8 * STRENGTH,
+        strength=strength,
+        plateau=0.8 * strength,
         opening_a=opening / 6.0,
         opening_p=opening * 2.0 / 3.0,
         opening_u=opening,
@@ -59,7 +63,7 @@ def velocity(time, speed, height, axis):
     return speed * min(time / RISE, 1.0) * along[axis]
 
 
-def flap(size, glue, thickness, speed):
+def flap(size, glue, thickness, speed, strength):
     """Return half a glued film, with its flap, and the nodes of the flap's end."""
     mesh = rectangle(NOTCH + AHEAD, HALF + BESIDE, size=size)
     nodes = mesh.nodes - mesh.nodes.min(axis=0)
@@ -81,7 +85,7 @@ def flap(size, glue, thickness, speed):
             sc.Support.symmetry(np.flatnonzero(y < 1e-9), "y"),
             sc.Support.clamped(rim),
         ],
-        law=law(),
+        law=law(strength),
         terms=[sc.Adhesion(quads=np.flatnonzero(~free), energy=glue)],
         fracture=sc.Fracture(path="free", fibres=6, check_every=20),
         damping_alpha=50.0,
@@ -91,11 +95,11 @@ def flap(size, glue, thickness, speed):
     return sim
 
 
-def run(size, glue, thickness, pace=1.0, off=0):
+def run(size, glue, thickness, pace=1.0, off=0, strength=STRENGTH):
     """Tear; return the sine of the angle over theory, and the path."""
-    slowest = math.sqrt(glue / GLUES[1])
-    sim = flap(size, glue, thickness * (1.0 + 1e-6 * off), 2500.0 * pace * min(1.0, slowest))
-    torn, longest = NOTCH, 40.0 / (2500.0 * pace * min(1.0, slowest))
+    speed = SPEED * pace * min(1.0, math.sqrt(glue / GLUES[1]))
+    sim = flap(size, glue, thickness * (1.0 + 1e-6 * off), speed, strength)
+    torn, longest = NOTCH, 40.0 / speed
     while torn < NOTCH + TORN and sim.cracks.tips and sim.state.time < longest:
         for _ in range(200):
             sim.step()
@@ -104,19 +108,21 @@ def run(size, glue, thickness, pace=1.0, off=0):
     read = path[(path[:, 0] >= NOTCH + FROM) & (path[:, 0] <= NOTCH + TORN)]
     slope = float(np.polyfit(*read.T, 1)[0])
     expected, _ = theory(glue, thickness, float(read[:, 1].mean()))
+    name = name_of(glue, thickness, size, strength)
     return {
-        name_of(glue, thickness, size): -slope / math.hypot(1.0, slope) / expected,
+        name: -slope / math.hypot(1.0, slope) / expected,
         "angle": math.degrees(math.atan(-slope)),
         "path": path.round(3).tolist(),
     }
 
 
-def name_of(glue, thickness, size=FINE):
+def name_of(glue, thickness, size=FINE, strength=STRENGTH):
     """Return the name of a value."""
     if size in TOO_COARSE:
         radius = math.sqrt(0.5 * float(film(thickness).bending_stiffness[0, 0]) / glue)
         return f"sine over theory, fold radius of {radius / size:.1f} sides"
-    return f"sine over theory, τ = {glue:g} N/mm, h = {thickness:g} mm"
+    name = f"sine over theory, τ = {glue:g} N/mm, h = {thickness:g} mm"
+    return name if strength == STRENGTH else f"{name}, tears of {strength:g} MPa"
 
 
 def theoretical_path(glue, thickness):
@@ -136,11 +142,13 @@ def picture(results, path):
         for style, glue in zip(("c0", "c3", "c5"), GLUES, strict=True):
             for name, one in results.items():
                 keys = PREDICTION.runs[name].keys
+                if "strength" in keys:
+                    continue
                 if (keys["glue"], keys["thickness"], keys["size"]) == (glue, thickness, FINE):
                     x, y = np.array(one["path"]).T
                     curves.append(Curve(f"τ = {glue:g} N/mm", y, style, x=x))
             x, y = theoretical_path(glue, thickness)
-            curves.append(Curve("theory", y, "other", x=x))
+            curves.append(Curve("theory", y, "measured", x=x))
         names = "x", "mm", "y", "mm", f"h = {thickness:g} mm"
         ends = np.array([NOTCH, NOTCH + TORN])
         diagrams.append(Diagram(ends, curves, *names, zero=False))
@@ -159,6 +167,9 @@ def _runs():
             if middle:
                 slower = Run({**keys, "size": COARSE, "pace": 0.5}, COARSE, 0.5)
                 yield f"{glue:g}, {h:g}, slower", slower
+    for glue, h, strength in OTHERS:
+        keys = {"glue": glue, "thickness": h, "size": FINE, "strength": strength}
+        yield f"{glue:g}, {h:g}, {strength:g} MPa", Run(keys, FINE)
     for size in TOO_COARSE:
         keys = {"glue": GLUES[2], "thickness": THICKNESSES[1], "size": size}
         yield f"quads of {size:g} mm", Run(keys, size, short=size == TOO_COARSE[-1])
@@ -171,19 +182,20 @@ PREDICTION = Prediction(
     source="""[Hamm2008]: a film is glued to a base. Two notches begin a flap, and the flap is
 pulled back over itself. It narrows to a triangle.""",
     sure="""The angle θ of a tear with the direction of the pull follows from the energy of the
-fold. W is the breadth of the flap, τ the energy of the glue and B the bending stiffness. The force
-is F = τ W/2 + G h cos θ, and sin θ = 2 √(B F/W)/(G h). For wide flaps this is the published
+fold. W is the breadth of the flap, τ the energy of the glue and B the bending stiffness. The
+force is F = τ W/2 + G h cos θ, and sin θ = 2 √(B F/W)/(G h). For wide flaps this is the published
 √(2 B τ)/(G h). The derivation for a finite breadth is ours. So is the band.""",
     model="""One half of the flap, 14 mm wide, beside a symmetry plane. The modulus is 1678 MPa,
-the fracture energy 4 N/mm and the strength 24 MPa. Quads have sides of 0.25 and 0.33 mm. The end is
-folded back on a circle and then moves along the film at 2.5 m/s, or 1.8 m/s where the glue is weak.
-The angle is that of a line through the tear between 4 and 10 mm from the notch.""",
+the fracture energy 4 N/mm and the strength 24 MPa. Quads have sides of 0.25 and 0.33 mm. The end
+is folded back on a circle and then moves along the film at 2.5 m/s, or 1.8 m/s where the glue is
+weak. The angle is that of a line through the tear between 4 and 10 mm from the notch.""",
     figures=(
         *(
             Figure(name_of(glue, h), "1", 0.9, 1.1, SHORT.get((glue, h)))
             for h in THICKNESSES
             for glue in GLUES
         ),
+        *(Figure(name_of(glue, h, strength=strength), "1") for glue, h, strength in OTHERS),
         *(
             Figure(
                 name_of(GLUES[2], THICKNESSES[1], size),
@@ -196,6 +208,17 @@ The angle is that of a line through the tear between 4 and 10 mm from the notch.
     runs=dict(_runs()),
     run=run,
     picture=picture,
-    said="""""",
+    said="""**The thicker film tears at the angle of theory**, within 7 % for all three glues. In
+the thinner film the sine is 14 to 24 % too large. The likely reason is the process zone of the
+tears. Their opening at break, 0.24 mm, is long beside the fold, whose length √(B/(G h)) is 0.62
+mm in the thicker film and 0.46 mm in the thinner one. With half the strength, and so twice the
+opening, the sine in the thicker film is 17 % too large. With 1.5 times the strength the excess in
+the thinner film falls from 22 to 14 %. The zone is two to three quads long, so a shorter one
+needs smaller quads. The large error bars of the thinner film are the differences between two
+meshes.
+
+**Quads larger than the fold's radius** √(B/2τ) make the tears too straight. With a radius of one
+side the sine is 0.99 of theory, with 0.7 sides it is 0.76 of theory, and with 0.5 sides the tears
+run almost straight. The check before a run doubts a radius below 1.5 sides.""",
     caption="Tears of both films",
 )

@@ -139,7 +139,6 @@ def test_refinement_and_speed_are_those_of_the_page(name):
     assert shown_as(strength, glue.law.strength)
     assert shown_as(zone, glue.zone)
     assert shown_as(over_sides, glue.zone / glue.side)
-    # A film that snaps from quad to quad keeps no third digit.
     assert shown_as(energy, found), found
 
 
