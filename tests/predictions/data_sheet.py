@@ -331,7 +331,7 @@ def _runs():
     for cuts in (1, 2):
         keys = {"test": "probe", "size": PROBE_SIZES[0], "energy": SNAG_ENERGY, "cuts": cuts}
         yield f"probe, cuts: {cuts}", Run(keys, PROBE_SIZES[0])
-    keys |= {"size": PROBE_SIZES[1], "cuts": 1}
+    keys = {"test": "probe", "size": PROBE_SIZES[1], "energy": SNAG_ENERGY, "cuts": 1}
     yield "probe, finer", Run(keys, PROBE_SIZES[1])
 
 
