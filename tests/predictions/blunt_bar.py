@@ -16,8 +16,8 @@ LENGTH, OFFSET = 12.0, 0.6
 """Of the strip, and of the notch from the bar's line, over the bar's diameter."""
 BENDS = BAR_FILM["thickness"] * math.sqrt(BAR_FILM["young"] / (12.0 * BAR_LAW.fracture_energy))
 """Length over which the film bends beside its crack, h sqrt(E / 12 G) [mm]."""
-NAMES = "wavelength over d", "amplitude over d", "crack over way"
-LIMIT = {"wavelength over d": 4.0 / math.pi, "amplitude over d": 0.5, "crack over way": 2.0}
+NAMES = "wavelength over d", "amplitude over d", "crack over path"
+LIMIT = {"wavelength over d": 4.0 / math.pi, "amplitude over d": 0.5, "crack over path": 2.0}
 """Of the cycloid."""
 LEAST = 3
 """Extremes of a wave that counts, and bars of a limit."""

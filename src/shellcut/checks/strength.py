@@ -207,10 +207,9 @@ def check_glue(
             yield note(came, f"it peels without inertia below {slow:.2g} mm/s")
         if tears and term.fold < ZONE_SIDES * term.side:
             yield doubt(
-                "the fold of a flap that tears off should have a radius of at least "
-                f"{ZONE_SIDES:g} sides of the quads of {term.name}, or its tears run too straight "
-                "(with 0.7 and 0.5 sides the sine of their angle is 0.76 and 0.19 of the right "
-                "one, docs/predictions.md)",
+                f"the fold of a flap that tears off {term.name} should have a radius of at least "
+                f"{ZONE_SIDES:g} sides of its quads, or the tears run too straight; with 0.7 and "
+                "0.5 sides the sine of their angle is 0.76 and 0.19 of theory",
                 f"{term.fold / term.side:.2g} sides",
                 f"make the quads {term.fold / ZONE_SIDES:.2g} mm small",
             )
