@@ -73,6 +73,7 @@ PAGES = {
         "howto/pictures",
         "howto/compare",
         "howto/tensile",
+        "howto/data-sheet",
         "howto/studies",
         "howto/converge",
         "howto/optimise",

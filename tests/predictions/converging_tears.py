@@ -99,7 +99,7 @@ def picture(results, path):
                     label, style = "without inertia", "c1"
                 curves.append(Curve(label, np.log10(w[here]), style, x=np.log10(left[here])))
         ends = np.array([-0.4, 1.4])
-        curves.append(Curve("slope 8/11", 8.0 / 11.0 * ends, "other", x=ends))
+        curves.append(Curve("slope 8/11", 8.0 / 11.0 * ends, "measured", x=ends))
         names = "log10(distance left / mm)", "", "log10(width / mm)", ""
         diagrams.append(Diagram(ends, curves, *names, f"h = {thickness:g} mm", zero=False))
     draw_curves(path, diagrams, columns=2, size=(10.0, 4.6))

@@ -35,7 +35,7 @@ def picture(results, path):
             Curve(f"quads of {size:g} mm", way[:, 1], f"c{0 if size > 0.8 else 4}", x=way[:, 0])
         )
     expected = tear.expected_path(tear.UNEVEN, FAR + 2.0)
-    curves.append(Curve("hyperbola", expected[:, 1], "other", x=expected[:, 0]))
+    curves.append(Curve("hyperbola", expected[:, 1], "measured", x=expected[:, 0]))
     ends = expected[[0, -1], 0]
     draw_curves(path, [Diagram(ends, curves, "x", "mm", "y", "mm", zero=False)], size=(9.0, 4.2))
 

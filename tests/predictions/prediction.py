@@ -10,16 +10,16 @@ m_v of slower runs beside m, and s the standard deviation of n repeated runs,
     mesh = q / (1 - q) |m - m'|,   speed = |m_v - m|,   scatter = t s / sqrt(n)
 
 as in docs/howto/converge.md, but for means: a single run is off by t s. The half-width is the root
-of the sum of their squares.
+of the sum of their squares. A case may derive a value from several runs instead, with parts of its
+own, such as the interval of a fit or the scatter of what had to be guessed.
 """
 
 import math
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from fractions import Fraction
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy
@@ -27,6 +27,11 @@ import scipy
 TESTS = Path(__file__).resolve().parents[1]
 # Models of tests that a prediction shares.
 sys.path += [str(TESTS), str(TESTS / "verification")]
+
+
+BLIND, KNOWN = "*blind, not compared yet*", "*not blind, not compared yet*"
+"""Results before the comparison: nobody who made the prediction knows the value, or somebody may.
+"""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,8 @@ class Figure:
         What the mean of the short runs must lie in where that is not the band, because our figure
         misses it or only finer meshes reach it: four standard deviations of such a mean and more
         about it.
+    waits : str
+        Result of a value that has not been compared yet, :data:`BLIND` or :data:`KNOWN`.
     """
 
     name: str
@@ -52,6 +59,7 @@ class Figure:
     low: float = math.nan
     high: float = math.nan
     short: tuple[float, float] | None = None
+    waits: str = ""
 
 
 @dataclass(frozen=True)
@@ -62,6 +70,12 @@ class Run:
     edge: float
     speed: float = 1.0
     short: bool = False
+
+
+Results: TypeAlias = Mapping[str, Mapping[str, Any]]
+"""What the runs of a case returned, by name."""
+Derived: TypeAlias = tuple[float, Mapping[str, float], int]
+"""A value, the parts of its half-width, and the number of its runs."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +95,11 @@ class Prediction:
         Draws, from what the runs returned by name, to a path.
     said : str
         What the result says, after it is known.
+    caption : str
+        Of the picture; the title by default.
+    derive : callable, optional
+        Returns value, parts of the half-width and number of runs of figures that need several runs,
+        by name; or an answer in words.
     """
 
     title: str
@@ -93,31 +112,27 @@ class Prediction:
     picture: Callable[[Mapping[str, dict[str, Any]], Path], None]
     said: str = ""
     caption: str = ""
+    derive: Callable[[Results], Mapping[str, Derived | str]] | None = None
 
 
 @dataclass(frozen=True)
 class Found:
-    """A figure with its error bar: value, half-width by part, and the scatter of single runs."""
+    """A figure with its error bar: value, half-width by part, and the scatter of single runs.
+
+    Or an answer in words.
+    """
 
     figure: Figure
     value: float
     parts: Mapping[str, float]
     scatter: float = math.nan
     n: int = 1
-    values: Mapping[str, float] = field(default_factory=dict)
+    words: str = ""
 
     @property
     def half_width(self) -> float:
         """Of the error bar."""
         return math.hypot(*self.parts.values())
-
-    @property
-    def difference(self) -> float:
-        """Value less the published number; of several numbers, less the middle of the band."""
-        try:
-            return self.value - float(Fraction(self.figure.published.split()[0]))
-        except ValueError:
-            return self.value - 0.5 * (self.figure.low + self.figure.high)
 
     @property
     def hits(self) -> bool:
@@ -127,7 +142,9 @@ class Found:
     @property
     def verdict(self) -> str:
         """Hit or miss, in words."""
-        if math.isnan(self.figure.low):
+        if self.figure.waits:
+            return self.figure.waits
+        if math.isnan(self.figure.low) or self.words:
             return "–"
         if self.hits:
             return "hit"
@@ -136,8 +153,15 @@ class Found:
         return "**miss**" + (", the error bar reaches the band" if inside else "")
 
 
-def found(case: Prediction, figure: Figure, results: Mapping[str, Mapping[str, Any]]) -> Found:
+def found(case: Prediction, figure: Figure, results: Results) -> Found:
     """Return a figure of a case with its error bar from what the runs returned."""
+    derived = case.derive(results) if case.derive else {}
+    if figure.name in derived:
+        given = derived[figure.name]
+        if isinstance(given, str):
+            return Found(figure, math.nan, {}, n=0, words=given)
+        value, parts, n = given
+        return Found(figure, value, parts, n=n)
     values = {name: one[figure.name] for name, one in results.items() if figure.name in one}
     if not values:
         return Found(figure, math.nan, {}, n=0)
@@ -160,4 +184,4 @@ def found(case: Prediction, figure: Figure, results: Mapping[str, Mapping[str, A
     if free:
         t = float(scipy.stats.t.ppf(0.975, free))
         parts["scatter"] = t * scatter / math.sqrt(len(finest))
-    return Found(figure, value, parts, scatter, len(values), values)
+    return Found(figure, value, parts, scatter, len(values))

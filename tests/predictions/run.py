@@ -2,12 +2,13 @@
 
 Runs what is not kept yet, and writes ``docs/predictions.md`` and a picture of each case. Values of
 runs are kept in a file, so that it continues after it was stopped; a run whose declaration changed
-runs again.
+runs again. With names of cases, only these run, and the other cases keep their rows of the page.
 """
 
 import argparse
 import importlib
 import json
+import re
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -20,8 +21,10 @@ CASES = (
     "converging_tears",
     "passing_cracks",
     "hyperbola",
-    "wedge_in_steel",
+    "torn_flap",
     "blunt_bar",
+    "wedge_in_steel",
+    "data_sheet",
 )
 
 
@@ -75,7 +78,9 @@ def digits(one: Found):
 
 
 def text(one: Found):
-    """Return value and half-width, to two digits of that."""
+    """Return value and half-width, to two digits of that, or what is said in words."""
+    if one.words:
+        return one.words
     if not one.n:
         return "no result"
     if not one.half_width:
@@ -84,87 +89,103 @@ def text(one: Found):
     return f"{one.value:.{n}f} ± {one.half_width:.{n}f}"
 
 
-def difference(one: Found):
-    """Return the difference from what is published, as precise as the value."""
-    if not one.n or one.difference != one.difference:
-        return "–"
-    return f"{one.difference:+.{digits(one)}f}".replace("-", "−")
-
-
-def band(one: Figure):
-    """Return the band, if there is one."""
-    return f"{one.low:.4g} to {one.high:.4g}" if one.low < one.high else "–"
+def published(one: Figure):
+    """Return what is published, with the band that counts as a hit, if there is one."""
+    band = f" ({one.low:.4g} to {one.high:.4g})" if one.low < one.high else ""
+    return one.published + band
 
 
 def row(one: Found):
     """Return the row of a value in the table of the page."""
-    cells = (one.figure.name, one.figure.published, band(one.figure), text(one), difference(one))
-    return f"| {' | '.join(cells)} | {one.verdict} |"
+    return f"| {one.figure.name} | {published(one.figure)} | {text(one)} | {one.verdict} |"
 
 
 def parts(one: Found):
-    """Return the row of a value in the table of error bars of its case."""
+    """Return the row of a value in the table of error bars."""
     sizes = [f"{one.parts[part]:.2g}" if part in one.parts else "–" for part in PARTS]
     scatter = f"{one.scatter:.2g}" if one.scatter == one.scatter else "–"
     return f"| {one.figure.name} | {' | '.join(sizes)} | {scatter} | {one.n} |"
 
 
-def section(name, values):
-    """Return the section of a case."""
-    case = case_of(name)
-    rows = "\n".join(parts(one) for one in values if one.n)
-    return SECTION.format(case=case, rows=rows, name=name, caption=case.caption or case.title)
+def anchor(case):
+    """Return the anchor of the section of a case."""
+    return case.title.lower().replace(" ", "-").replace(",", "")
 
 
-def page(values, minutes, runs):
-    """Return the text of the page from the values of each case by its name."""
-    rows = []
-    for name, some in values.items():
-        title = case_of(name).title
-        anchor = title.lower().replace(" ", "-").replace(",", "")
-        rows += [f"| [**{title}**](#{anchor}) | | | | | |", *map(row, some)]
-    every = [one for some in values.values() for one in some]
-    return TEXT.format(
-        n=sum(one.figure.low == one.figure.low for one in every),
-        n_hit=sum(one.hits for one in every),
-        rows="\n".join(rows),
-        sections="\n".join(section(name, some) for name, some in values.items()),
-        minutes=minutes,
-        runs=runs,
+def kept_rows(page, case):
+    """Return the rows of a case in both tables of the page, as they are."""
+    lines, found = page.splitlines(), []
+    for begins in (f"| [**{case.title}**]", f"| **{case.title}** |"):
+        first = next((k + 1 for k, one in enumerate(lines) if one.startswith(begins)), None)
+        if first is None:
+            raise SystemExit(f"the page has no values of {case.title!r}: run this case, too")
+        last = next(k for k in range(first, len(lines)) if not re.match(r"\| [^*\[]", lines[k]))
+        found.append(lines[first:last])
+    return found
+
+
+def page(rows):
+    """Return the text of the page from the rows of each case in both tables, by its name."""
+    cases = {name: case_of(name) for name in rows}
+    table, bars = [], []
+    for name, (some, of_bars) in rows.items():
+        table += [f"| [**{cases[name].title}**](#{anchor(cases[name])}) | | | |", *some]
+        bars += [f"| **{cases[name].title}** | | | | | | |", *of_bars] if of_bars else []
+    verdicts = [one.split(" | ")[-1] for one in table]
+    text = TEXT.format(
+        n=sum("hit" in one or "miss" in one for one in verdicts),
+        n_hit=sum("hit" in one for one in verdicts),
+        n_blind=sum(one.startswith("*blind") for one in verdicts),
+        rows="\n".join(table),
+        bars="\n".join(bars),
+        sections="\n".join(
+            SECTION.format(case=case, name=name, caption=case.caption or case.title)
+            for name, case in cases.items()
+        ),
+        runs=sum(len(case.runs) for case in cases.values()),
+    )
+    return linked(text)
+
+
+def linked(text):
+    """Return a text whose citations are links to the references."""
+    return re.sub(
+        r"\[([A-Z]\w+(?:19|20)\d\d)\](?!\()",
+        lambda key: f"[{key[1]}](references.md#{key[1].lower()})",
+        text,
     )
 
 
 def main():
     """Run what is not kept yet, and write page and pictures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("cases", nargs="*", metavar="case", help="run these only; no page")
+    parser.add_argument("cases", nargs="*", metavar="case", help="run these only")
     parser.add_argument("--kept", type=Path, default=Path("predictions.jsonl"), help="runs so far")
     parser.add_argument("--jobs", type=int, default=2, help="runs at once")
     options = parser.parse_args()
     results, seconds = gather(options.cases or CASES, options.kept, options.jobs)
-    values = {
-        name: [found(case_of(name), figure, one) for figure in case_of(name).figures]
-        for name, one in results.items()
-    }
-    for name, one in results.items():
-        case_of(name).picture(one, DOCS / "img" / f"predicted_{name}.png")
-        print("\n".join(map(row, values[name])), section(name, values[name]), sep="\n\n")
-    if not options.cases:
-        text_of_page = page(values, seconds / 60.0, sum(map(len, results.values())))
-        (DOCS / "predictions.md").write_text(text_of_page, encoding="utf-8")
+    path, rows = DOCS / "predictions.md", {}
+    before = path.read_text(encoding="utf-8")
+    for name in CASES:
+        case = case_of(name)
+        if name not in results:
+            rows[name] = kept_rows(before, case)
+            continue
+        values = [found(case, figure, results[name]) for figure in case.figures]
+        rows[name] = list(map(row, values)), [parts(one) for one in values if one.parts]
+        case.picture(results[name], DOCS / "img" / f"predicted_{name}.png")
+        print("\n".join(rows[name][0]))
+    path.write_text(page(rows), encoding="utf-8")
+    print(f"{seconds / 60.0:.0f} minutes of CPU time", file=sys.stderr)
 
 
-PARTS = ("mesh", "speed", "scatter")
+PARTS = ("mesh", "speed", "scatter", "guessed")
 
 SECTION = """## {case.title}
 
 **Published.** {case.source} {case.sure}
 
 **Our model.** {case.model}
-
-| parts of the error bar | mesh | speed | scatter | standard deviation of one run | runs |
-|---|---:|---:|---:|---:|---:|
-{rows}
 
 ![{caption}](img/predicted_{name}.png)
 
@@ -174,28 +195,38 @@ SECTION = """## {case.title}
 TEXT = """# Predictions of published measurements
 
 This page compares published measurements and theories with what the library predicts for them. No
-number of a model is fitted to the result. In every case we knew the published value, and had seen
-earlier runs of a similar model, before the band was fixed; so the predictions are not blind.
+number of a model is fitted to the result.
 
-**{n_hit} of {n} values lie in the published band.**
+**{n_hit} of {n} values are hits. {n_blind} values are blind and wait for the comparison.**
 
-| value | published | band | ours | difference | result |
-|---|---|---|---:|---:|---|
+| value | published | ours | result |
+|---|---|---:|---|
 {rows}
 
-- *Band*: values that count as a hit. A single published value without a band must be met exactly.
-- *Ours*: the mean of the runs on the finest mesh, with a 95 % error bar. The bar has three parts:
-  the error of the mesh, estimated from the next coarser one; the change in a slower run; and
-  Student's interval of the mean of repeated runs, which differ by a tiny change of the model
-  (*scatter*). Parts without runs are left out ([how bars are made](howto/converge.md)). The law of
-  the cables, friction and the shell theory are the same in all runs and in no error bar.
-- *Difference*: ours less the published value, or less the middle of the band where several values
-  are published.
+- *Published*: in brackets, the values that count as a hit. A single value without brackets must be
+  met exactly.
+- *Ours*: the mean of the runs on the finest mesh, with its [error bar](#error-bars).
+- *Hit* or *miss*: we knew the published value, and had seen runs of a similar model, before the
+  band was fixed. *Blind*: the published value exists, and nobody who made the prediction has seen
+  it. There the ± is a 90 % band.
 
-`python tests/predictions/run.py` makes this page. Each case is a file in `tests/predictions`;
-`pytest -m slow tests/predictions` runs a short form of each.
+`python tests/predictions/run.py` makes this page; with the names of cases, it runs these only. Each
+case is a file in `tests/predictions`. `pytest -m slow tests/predictions` runs a short form of each.
 
 {sections}
+## Error bars
+
+An error bar contains the true value of the model in 95 % of all cases. It has three parts: the
+error of the mesh, estimated from the next coarser one; the change in a slower run; and the scatter
+of repeated runs, which differ by a tiny change of the model. This is Student's interval of their
+mean, or of the limit of a fitted line. Parts without runs are left out ([how bars are
+made](howto/converge.md)). The law of the cables, friction and the shell theory are the same in all
+runs and in no error bar. Only the bands of blind values contain what had to be *guessed*.
+
+| value | mesh | speed | scatter | guessed | standard deviation of one run | runs |
+|---|---:|---:|---:|---:|---:|---:|
+{bars}
+
 ## Not predicted here
 
 - **Trouser tears of LDPE and PET** (Int. J. Fracture 2019,
@@ -212,7 +243,7 @@ earlier runs of a similar model, before the band was fixed; so the predictions a
   library refuses such angles.)
 - **Piercing and sharpness**: [how hard is it to pierce](howto/pierce.md).
 
-All {runs} runs took {minutes:.0f} minutes of CPU time.
+The page needs {runs} runs, one to two hours of CPU time.
 """
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from prediction import Figure, Prediction, Run, found
-from run import CASES, DOCS, band, case_of
+from prediction import BLIND, KNOWN, Figure, Prediction, Run, found
+from run import CASES, DOCS, case_of, kept_rows, linked, page, published, row
 
 
 @pytest.mark.slow
@@ -24,12 +24,28 @@ def test_a_short_form_gives_what_the_page_says(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_page_shows_what_is_declared(name):
-    page = (DOCS / "predictions.md").read_text(encoding="utf-8")
+    shown = (DOCS / "predictions.md").read_text(encoding="utf-8")
     case = case_of(name)
     for text in (case.title, case.source, case.sure, case.model, case.said):
-        assert text in page
+        assert linked(text) in shown
     for one in case.figures:
-        assert f"| {one.name} | {one.published} | {band(one)} |" in page
+        assert f"| {one.name} | {published(one)} |" in shown
+
+
+def test_cases_that_do_not_run_keep_their_rows():
+    shown = (DOCS / "predictions.md").read_text(encoding="utf-8")
+    assert page({name: kept_rows(shown, case_of(name)) for name in CASES}) == shown
+
+
+def test_derived_values_blind_values_and_answers_in_words():
+    given = {"a": (4.0, {"guessed": 3.0, "mesh": 4.0}, 2), "b": "one slit"}
+    figures = Figure("a", "withheld", waits=BLIND), Figure("b", "withheld", waits=KNOWN)
+    case = Prediction(
+        "", "", "", "", figures, {}, dict, lambda results, path: None, derive=lambda _: given
+    )
+    value, words = (found(case, figure, {}) for figure in figures)
+    assert row(value) == "| a | withheld | 4.0 ± 5.0 | *blind, not compared yet* |"
+    assert row(words) == "| b | withheld | one slit | *not blind, not compared yet* |"
 
 
 def test_an_error_bar_has_mesh_speed_and_scatter():

@@ -157,7 +157,7 @@ def picture(results, path):
                 label = f"flaps to {one['flaps']}"
                 style = "c0" if one["flaps"] == "one side" else "c5"
                 curves.append(Curve(label, force, style, x=0.5 * (way[6:] + way[:-6])))
-        for style, name in zip(("other", "level", "mean"), FORMULAS, strict=True):
+        for style, name in zip(("measured", "work", "mean"), FORMULAS, strict=True):
             values = FORMULAS[name](1.0, length, 20.0, mu)
             curves.append(Curve(name, values, style, x=length))
         names = "length of the cut", "mm", "force", "N"

@@ -184,6 +184,7 @@ PAGES = {
     "docs/howto/converge.md": Page(
         said="force, mean over the steady window.* 3.23", left="bars/report.html"
     ),
+    "docs/howto/data-sheet.md": Page(said=r"G 5\.6 N/mm, legs yield below 8\.82 mm"),
     "docs/howto/fit.md": Page(
         (
             curves("cap.csv", "slow.csv", "fast.csv", "steep.csv"),

@@ -18,6 +18,7 @@ import shellcut as sc
 from free_model import FREE as A_CUT
 from gone_on import check_goes_on
 from naive.glue_law import traction
+from page_tables import row, shown_as
 from shellcut.meshing import rectangle
 from shellcut.model_file.reader import model_of_text
 from shellcut.models import Case, guillotine
@@ -63,7 +64,9 @@ def test_a_pressure_above_the_strength_pulls_the_sheet_off():
 class Peel:
     """A strip whose free end moves with a speed [mm/s] along a path of a parameter."""
 
-    def __init__(self, path, *, energy=0.05, size=0.5, speed=1e3, length=12.0, **options):
+    def __init__(
+        self, path, *, energy=0.05, strength=None, size=0.5, speed=1e3, length=12.0, **options
+    ):
         mesh = rectangle(length, size, size=size)
         end = np.flatnonzero(mesh.nodes[:, 0] < 1e-9)
         glued = np.flatnonzero(mesh.nodes[mesh.quads].mean(axis=1)[:, 0] > FREE)
@@ -73,7 +76,7 @@ class Peel:
             return lambda time: speed * min(time / 1e-4, 1.0) * path(speed * time)[axis]
 
         pulled = sc.Support(end, rotation="", velocity={"x": rate(0), "z": rate(1)})
-        glue = sc.Adhesion(quads=glued, energy=energy)
+        glue = sc.Adhesion(quads=glued, energy=energy, strength=strength)
         self.energy, self.width, self.end, self.speed = energy, size, end, speed
         self.sim = sc.Simulation(mesh, FILM, supports=[pulled], terms=[glue], **options)
 
@@ -111,6 +114,41 @@ def test_peel_at_a_right_angle(energy):
     )
 
 
+# What each row of the table on the theory page changes.
+PEELS = {
+    "quads of 0.25 mm": {"size": 0.25},
+    "quads of 0.5 mm": {},
+    "quads of 1 mm": {"size": 1.0},
+    "3 m/s": {"speed": 3e3},
+    "10 m/s": {"speed": 1e4},
+    "strength 0.3 MPa": {"strength": 0.3},
+    "strength 0.6 MPa": {"strength": 0.6},
+    "strength 1.2 MPa": {"strength": 1.2},
+    "strength 1.2 MPa, quads of 0.25 mm": {"strength": 1.2, "size": 0.25},
+}
+ANGLES = {"45°": 45.0, "22.6°": 22.6, "15.4°": 15.4}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PEELS)
+def test_refinement_and_speed_are_those_of_the_page(name):
+    peel = Peel(at_angle(90.0), **PEELS[name])
+    glue = glue_of(peel.sim)
+    found = peel.energy_of_force(8.0, 14.0)
+    _, strength, zone, over_sides, energy = row("docs/theory/adhesion.md", f"{name} |")
+    assert shown_as(strength, glue.law.strength)
+    assert shown_as(zone, glue.zone)
+    assert shown_as(over_sides, glue.zone / glue.side)
+    assert shown_as(energy, found), found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ANGLES)
+def test_small_angles_are_those_of_the_page(name):
+    found = stretched_peel(ANGLES[name])
+    assert shown_as(row("docs/theory/adhesion.md", f"{name} |")[1], found), found
+
+
 def folded_back(path):
     """A half circle about the front, then along +x: the film is pulled back over itself."""
     turn = path / FREE
@@ -124,11 +162,16 @@ def test_peel_folded_back():
     assert peel.energy_of_force(17.0, 25.0) == pytest.approx(1.0, abs=0.02)
 
 
-@pytest.mark.parametrize("degrees", [22.6, 15.4])
-def test_peel_at_a_small_angle_stretches_the_film(degrees):
+def stretched_peel(degrees):
+    """Return the left side of the closed form over tau, once the film is taut."""
     peel = Peel(at_angle(degrees), length=14.0)
     slack = FREE * math.sin(math.radians(degrees)) / math.cos(math.radians(0.5 * degrees))
-    assert peel.energy_of_force(slack + 0.6, slack + 1.6) == pytest.approx(1.0, abs=0.02)
+    return peel.energy_of_force(slack + 0.6, slack + 1.6)
+
+
+@pytest.mark.parametrize("degrees", [22.6, 15.4])
+def test_peel_at_a_small_angle_stretches_the_film(degrees):
+    assert stretched_peel(degrees) == pytest.approx(1.0, abs=0.02)
 
 
 def test_peel_from_a_cylinder():
@@ -310,6 +353,24 @@ def test_what_the_quads_resolve_of_a_glue_is_said():
     assert answers(summary) == [("adhesion", said)]
     (_, unsure), *_ = answers({**summary, "adhesion_resolved_rel": 0.9})
     assert unsure == f"{said} (doubtful: the quads do not resolve how it peels)"
+
+
+def test_a_fold_too_small_for_tears_is_doubted_where_the_film_may_crack():
+    mesh = rectangle(4.0, 2.0, size=0.5)
+
+    def doubts(energy, **options):
+        glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=energy)
+        sim = sc.Simulation(mesh, FILM, terms=[glue], **options)
+        return [one for one in sc.check_model(sim, 1e-3).doubts if "flap" in one.holds]
+
+    (small,) = doubts(0.1, law=sc.CohesiveLaw())
+    assert small.came == "1.1 sides"
+    assert small.remedy == "make the quads 0.37 mm small"
+    assert doubts(0.05, law=sc.CohesiveLaw()) == []  # 1.6 sides
+    assert doubts(0.1) == []
+    tool = sc.tool_shapes.straight_blade()
+    led = {"tool": tool, "motion": sc.StraightMotion((1.0, 0.0, 0.0), 1e3)}
+    assert doubts(0.1, law=sc.CohesiveLaw(), **led) == []
 
 
 def test_glue_supports_a_film():

@@ -114,7 +114,8 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     support = support_of(sim)
     yield from check_numbers(mesh, sim.material, law, sim.tool)
     yield from check_strength(sim.material, law)
-    yield from check_glue(sim.material, sim.terms)
+    led = sim.tool is not None and sim.tool.n_edge > 0
+    yield from check_glue(sim.material, sim.terms, law is not None and not led)
     if sim.tool is None:
         return
     if sim.motion is not None:

@@ -9,7 +9,8 @@ film that is stretched little, stiff in transverse shear and without tension far
 tears no farther by itself. A force that the user gives needs none of this, nor do edges that all
 enter the film at its border.
 
-*Peeling.* What the film's quads resolve of a glue that may peel (docs/theory/adhesion.md).
+*Peeling.* What the film's quads resolve of a glue that may peel (docs/theory/adhesion.md), and of
+the fold of a flap that tears (tests/predictions/torn_flap.py).
 """
 
 from __future__ import annotations
@@ -180,11 +181,15 @@ def _on_face(sim: Simulation, sweep: Sweep) -> bool:
     return bool((off > _FROM_RIM * sweep.edge_length[first]).any())
 
 
-def check_glue(material: ShellMaterial, terms: Iterable[ForceTerm]) -> Iterator[Finding]:
-    """Yield what each glue needs where it peels.
+def check_glue(
+    material: ShellMaterial, terms: Iterable[ForceTerm], tears: bool
+) -> Iterator[Finding]:
+    """Yield what each glue needs where it peels, and where tears bound the film that peels.
 
-    It is no doubt: a glue that nowhere reaches its strength needs none of it. After the run, its
-    answer is doubtful where it is damaged and the quads are too large.
+    The first is no doubt: a glue that nowhere reaches its strength needs none of it. After the run,
+    its answer is doubtful where it is damaged and the quads are too large.
+
+    tears : whether the film may crack where no cutting edge leads the crack.
     """
     for term in terms:
         if not isinstance(term, GluePoints):
@@ -200,3 +205,11 @@ def check_glue(material: ShellMaterial, terms: Iterable[ForceTerm]) -> Iterator[
             yield note(came, needed)
         else:
             yield note(came, f"it peels without inertia below {slow:.2g} mm/s")
+        if tears and term.fold < ZONE_SIDES * term.side:
+            yield doubt(
+                f"the fold of a flap that tears off {term.name} should have a radius of at least "
+                f"{ZONE_SIDES:g} sides of its quads, or the tears run too straight; with 0.7 and "
+                "0.5 sides the sine of their angle is 0.76 and 0.19 of theory",
+                f"{term.fold / term.side:.2g} sides",
+                f"make the quads {term.fold / ZONE_SIDES:.2g} mm small",
+            )

@@ -21,6 +21,10 @@ QUESTIONS = {
         "How do I model my film and mouth?",
         "film foil mouth neck border disc",
     ),
+    "docs/howto/data-sheet.md": (
+        "Which numbers does a data sheet give?",
+        "sheet elmendorf trouser graves tear datasheet supplier",
+    ),
     "docs/howto/own-tool.md": ("How do I model my tool?", "tool cap knife blade step stl cad"),
     "docs/howto/converge.md": ("How sure is the number?", "mesh converge error accuracy finer"),
 }
