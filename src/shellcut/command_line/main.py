@@ -33,6 +33,7 @@ from . import (
     run,
     sweep,
     tensile,
+    verify,
     view,
     warmup,
 )
@@ -41,7 +42,7 @@ from .listener import ignore_closed_pipe
 from .shared_arguments import add_shown_in_to
 
 _COMMANDS = (
-    *(run, resume, sweep, converge, fit, optimise, preview),
+    *(run, resume, verify, sweep, converge, fit, optimise, preview),
     *(keys, compare, tensile, report, view, doctor, warmup),
 )
 """A file each, whose text is the help: in one line, at length, and an example."""
