@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -83,8 +84,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with RaisedAgain():
             answer_deferred()
-            for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
-                if isinstance(stream, TextIOWrapper):
+            for name in ("stdout", "stderr"):
+                stream = getattr(sys, name)
+                if stream is None:  # it was closed before the process began
+                    setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+                elif isinstance(stream, TextIOWrapper):  # a file's name may hold bytes, no text
                     stream.reconfigure(errors="backslashreplace")
             if beside := another_project():
                 return refuse(beside)

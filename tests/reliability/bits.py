@@ -1,0 +1,1 @@
+SHARE, COUNT, ROWS = 1, 0, {}
