@@ -4,32 +4,22 @@ import functools
 import os
 import random
 import signal
-import sys
 import time
 
-from shellcut.files import whole_file
 from shellcut.files.run_folder import CHECKPOINT
-from shellcut.models.case import Case
 
 from . import tiny
-from .trial import Trial, begin, command
+from .trial import Trial, at_each_write, begin, command, often_saved
 
-SHARE = 8
+SHARE = 10
 COUNT = None
 PROMISE = "the results are those of the uninterrupted command, to the last bit"
-TEST = "`kills.py`; `tests/same_run.py`"
-SIGNALS = {
-    "KILL": signal.SIGKILL,
-    "TERM": signal.SIGTERM,
-    "INT": signal.SIGINT,
-    "STOP": signal.SIGSTOP,
-}
+SIGNALS = {name: getattr(signal, f"SIG{name}") for name in ("KILL", "TERM", "INT", "STOP")}
+CODES = {"KILL": -signal.SIGKILL, "TERM": -signal.SIGTERM, "INT": 130, "STOP": 0}
 # Most trials are of runs, which are short.
 KINDS = ["run", "resume", "sweep", "run", "resume", "fit", "run", "resume", "optimise", "run"]
 KINDS += ["resume", "converge"]
-ROWS = dict.fromkeys(dict.fromkeys(f"{kind}, killed" for kind in KINDS), (PROMISE, TEST))
-EVERY = 0.02  # s between two checkpoints
-NO_CHECKPOINT = "it has no checkpoint yet: begun anew"
+ROWS = {f"{kind}, killed": (PROMISE, "`tests/same_run.py`") for kind in dict.fromkeys(KINDS)}
 
 
 def trial(number):
@@ -38,106 +28,78 @@ def trial(number):
     kind = KINDS[number % len(KINDS)]
     models = [*tiny.SHORT]
     name = models[number // len(KINDS) % len(models)] if kind in ("run", "resume") else "guillotine"
-    sign = chance.choice([*SIGNALS])
-    within = chance.random() < 0.4 and sign != "STOP"
-    at = chance.random()
-    moment = f"write at {at:.3f} of all, after half of it" if within else f"{at:.3f} of its time"
-    what = f"{kind} of {name}, {sign} at {moment}"
-    of = functools.partial(_do, kind=kind, name=name, sign=sign, within=within, at=at)
-    return Trial(f"{kind}, killed", what, of)
-
-
-def often_saved():
-    """Let the runs of this process save a checkpoint many times a second."""
-    made = Case.recorder
-
-    def recorder(case, folder, **options):
-        return made(case, folder, **{**options, "checkpoint_every": EVERY})
-
-    Case.recorder = recorder
+    sign, at = chance.choice([*SIGNALS]), chance.random()
+    within = sign != "STOP" and chance.random() < 0.4
+    what = f"{kind} of {name}, {sign} {'within a write' if within else ''} at {at:.3f} of it"
+    return Trial(f"{kind}, killed", what, functools.partial(_do, kind, name, sign, within, at))
 
 
 def signal_within_write(n, number):
-    """Let the n-th write of this process meet a signal after half of its bytes; count them."""
-    plain, count = whole_file.write_all, 0
+    """Let the n-th write of this process meet a signal; one that is killed has written half."""
+    left = [n]
 
-    def write_all(file, data):
-        nonlocal count
-        count += 1
-        if count == n:
-            half = memoryview(data)[: len(data) // 2]
-            plain(file, half)
+    def meets(file, data):
+        left[0] -= 1
+        if left[0] == 0:
+            if number == signal.SIGKILL:
+                file.write(data[: len(data) // 2])
             os.kill(os.getpid(), number)
-            data = memoryview(data)[len(half) :]
-        plain(file, data)
 
-    for module in [m for name, m in sys.modules.items() if name.startswith("shellcut.")]:
-        if getattr(module, "write_all", None) is plain:
-            module.write_all = write_all
+    at_each_write(meets)
 
 
 @functools.cache
 def size_of(kind, name):
-    """Return the time of a command and its writes, a few more than it has."""
-    folder = tiny.folder() / f"size {kind} {name}"
-    began = time.monotonic()
+    """Return the time of a command [s], and its number of writes."""
+    folder, began = tiny.folder() / f"size {kind} {name}", time.monotonic()
     counted = folder / "writes"
 
     def before():
         often_saved()
-        plain, n = whole_file.write_all, [0]
+        at_each_write(lambda *_: counted.open("a").write("."))
 
-        def write_all(file, data):
-            n[0] += 1
-            counted.write_text(str(n[0]))
-            plain(file, data)
-
-        for module in [m for key, m in sys.modules.items() if key.startswith("shellcut.")]:
-            if getattr(module, "write_all", None) is plain:
-                module.write_all = write_all
-
-    folder.mkdir(parents=True)
+    folder.mkdir()
     command([*tiny.words(kind, name), "-o", str(folder / "out")], folder, before).expect(0)
-    return time.monotonic() - began, int(counted.read_text())
+    return time.monotonic() - began, counted.stat().st_size
 
 
-def _do(folder, *, kind, name, sign, within, at):
-    of = "run" if kind == "resume" else kind
+def _do(kind, name, sign, within, at, folder):
+    of, out = "run" if kind == "resume" else kind, folder / "out"
     tiny.whole(of, name)
     seconds, writes = size_of(of, name)
-    out = folder / "out"
-    first = [*tiny.words(of, name), "-o", str(out)]
+    argv = [*tiny.words(of, name), "-o", str(out)]
     if kind == "resume":  # of a run that was killed before
-        child = begin(first, folder, often_saved)
+        child = begin(argv, folder, often_saved)
         time.sleep(0.5 * at * seconds)
         child.send(signal.SIGKILL)
         child.wait()
-        first = ["resume", str(out)]
-    if kind == "resume" and not (out / CHECKPOINT).exists():
-        first = [*tiny.words(of, name), "-o", str(out), "--overwrite"]
+        argv = next_command(out, of, name)
 
     def before():
         often_saved()
         if within:
             signal_within_write(1 + int(at * writes), SIGNALS[sign])
 
-    child = begin(first, folder, before)
+    child = begin(argv, folder, before)
     if not within:
         time.sleep(at * seconds)
         child.send(SIGNALS[sign])
         if sign == "STOP":
             time.sleep(0.1)
             child.send(signal.SIGCONT)
-    done = child.wait()
-    ended = {"KILL": -signal.SIGKILL, "TERM": -signal.SIGTERM, "INT": 130, "STOP": 0}[sign]
-    done.expect(0, ended)
+    child.wait().expect(0, CODES[sign])
     continued(out, of, name, folder)
 
 
+def next_command(out, kind, name):
+    """Return the command by which a user continues; a run without a checkpoint begins again."""
+    argv = [*tiny.words(kind, name), "-o", str(out)]
+    if kind != "run":
+        return argv
+    return ["resume", str(out)] if (out / CHECKPOINT).exists() else [*argv, "--overwrite"]
+
+
 def continued(out, kind, name, folder):
-    """Continue a command as a user does, and compare with the undisturbed one."""
-    again = [*tiny.words(kind, name), "-o", str(out)]
-    if kind == "run":
-        again = ["resume", str(out)] if (out / CHECKPOINT).exists() else [*again, "--overwrite"]
-    command(again, folder).expect(0)
+    """Continue a command, and compare with the undisturbed one."""
+    command(next_command(out, kind, name), folder).expect(0)
     tiny.assert_same(out, kind, name)

@@ -1,8 +1,9 @@
 """Try every promise for some minutes; print the table, and write docs/reliability.md.
 
 ``python tests/reliability/run.py --minutes 90 --json r.json`` tries all kinds. With ``--json`` the
-rows of kinds that were not tried are taken from that file; the page is written as soon as every
-kind has rows. ``--only kills --trial 37`` makes one trial again, as a failure names it.
+rows of kinds that were not tried are taken from that file. ``--only kills fuzz`` tries some kinds,
+and writes the page if there is such a file. ``--only kills --trial 37`` makes one trial again, as
+a failure names it.
 """
 
 import argparse
@@ -13,13 +14,13 @@ import sys
 import tempfile
 import time
 import traceback
+from itertools import count
 from pathlib import Path
 
-TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS / part) for part in (".", "regression", "unit")]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from reliability import (  # noqa: E402
+from reliability import (
     bits,
     faults,
     fuzz,
@@ -31,17 +32,18 @@ from reliability import (  # noqa: E402
     table,
     tiny,
 )
-from reliability.trial import Batch, Impossible  # noqa: E402
+from reliability.trial import Batch, Impossible
 
+# Those with an end first: the time that they leave is for the others.
 KINDS = {
-    "kills": kills,
-    "faults": faults,
-    "fuzz": fuzz,
-    "bits": bits,
-    "invariants": invariants,
     "guards": guards,
     "supply": supply,
+    "faults": faults,
+    "bits": bits,
     "mutants": mutation,
+    "invariants": invariants,
+    "fuzz": fuzz,
+    "kills": kills,
 }
 MOST_SHOWN = 20  # failures of a row whose texts are kept
 
@@ -67,14 +69,14 @@ def made(kind, number, rows):
         print(f"FAILED {row['failures'][-1]}", flush=True)
 
 
-def tried(kind, seconds, first=0):
+def tried(kind, seconds):
     """Make trials of a kind until the time is up, one at least; return its rows."""
-    module, rows, end, number = KINDS[kind], {}, time.monotonic() + seconds, first
-    while number == first or time.monotonic() < end:
-        if module.COUNT is not None and number >= module.COUNT:
-            break
+    rows, end = {}, time.monotonic() + seconds
+    numbers = count() if KINDS[kind].COUNT is None else range(KINDS[kind].COUNT)
+    for number in numbers:
         made(kind, number, rows)
-        number += 1
+        if time.monotonic() > end:
+            break
     for row in rows.values():
         row["failed"] = len(row["failures"])
         row["failures"] = row["failures"][:MOST_SHOWN]
@@ -87,7 +89,6 @@ def main():
     parser.add_argument("--json", type=Path, help="rows of all kinds, renewed")
     parser.add_argument("--only", nargs="+", choices=KINDS, default=[*KINDS], metavar="KIND")
     parser.add_argument("--trial", type=int, help="make this one trial of the kinds")
-    parser.add_argument("--from", type=int, default=0, dest="first", help="begin with this trial")
     given = parser.parse_args()
     end = time.monotonic() + 60.0 * given.minutes
     tiny.warm()
@@ -104,14 +105,14 @@ def main():
         left, share = end - time.monotonic(), KINDS[kind].SHARE
         seconds = left * share / (share + sum(KINDS[other].SHARE for other in rest))
         began = time.monotonic()
-        rows = tried(kind, seconds, given.first)
+        rows = tried(kind, seconds)
         record[kind] = {"rows": rows, "seconds": time.monotonic() - began, **table.stamp()}
         n = [sum(row[name] for row in rows.values()) for name in ("tried", "kept", "failed")]
         print(f"{kind}: {n[0]} tried, {n[1]} kept, {n[2]} failed", flush=True)
         if given.json:
             given.json.write_text(json.dumps(record, indent=1))
     print(table.of(record, KINDS))
-    if all(kind in record for kind in KINDS):
+    if given.json or len(given.only) == len(KINDS):
         table.write_page(record, KINDS)
         print(f"wrote {table.PAGE}")
     failed = sum(row["failed"] for kind in record.values() for row in kind["rows"].values())

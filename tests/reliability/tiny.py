@@ -79,9 +79,13 @@ def words(kind, name="guillotine"):
     }[kind] + {"fit": ["--set=strength=15:22"], "optimise": ["--confirm=none"]}.get(kind, [])
 
 
-@functools.cache
 def whole(kind, name="guillotine"):
     """Return the folder of an undisturbed command."""
+    return _whole(kind, name)
+
+
+@functools.cache
+def _whole(kind, name):
     out = folder() / f"{kind} {name}"
     command([*words(kind, name), "-o", str(out)], folder() / "log").expect(0)
     return out
@@ -106,11 +110,11 @@ def assert_same(out, kind, name="guillotine"):
             assert texts[0] == texts[1], file
 
 
-def warm():
-    """Load every kernel here, so that forked processes have them: run all models once."""
+def warm(names=tuple(SHORT)):
+    """Load the kernels of models here, so that forked processes have them: run each once."""
     from shellcut.command_line import main
 
     with open(folder() / "warm", "w") as log, redirect_stdout(log), redirect_stderr(log):
-        for name in SHORT:
+        for name in names:
             code = main(["run", *model(name), "-o", str(folder() / f"warm {name}")])
             assert code == 0, name
