@@ -105,6 +105,7 @@ PAGES = {
         "theory/yielding-cut",
         "theory/yielding-disc",
         "same-bits",
+        "reliability",
         "performance",
     ],
     "Reference": [
