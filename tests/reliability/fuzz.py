@@ -1,8 +1,8 @@
 """Damaged files, and arguments at random: each is refused in words, or used and right.
 
 An input is damaged as :mod:`damaged.mutations` does. A traceback, another error than the one that
-is documented, a process that dies, no end, or a wrong value that nobody notices is a failure. Each
-input has a process of its own, with a limit of memory and of time.
+is documented, a process that dies, no end, or a wrong value that nobody notices is a failure. Some
+inputs share a process of their own, which has a limit of memory; each has a limit of time.
 """
 
 import functools

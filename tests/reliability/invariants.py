@@ -54,7 +54,9 @@ def film():
     mesh = rectangle(SIZE, 1.6, n_x=8, n_y=4).cut([18, 19])
     nodes = mesh.nodes.copy()
     inside = np.setdiff1d(np.arange(len(nodes)), mesh.boundary_nodes())
-    inside = inside[np.abs(nodes[inside, 1]) > 1e-9]
+    middle = np.abs(nodes[:, 1]) < 1e-9
+    nodes[middle, 1] += 0.012  # in the plane of the blade, round-off decides on the side
+    inside = inside[~middle[inside]]
     nodes[inside, :2] += np.random.default_rng(7).uniform(-0.06, 0.06, (len(inside), 2))
     sides = [*mesh.node_set("bottom"), *mesh.node_set("top")]
     return nodes, mesh.quads, np.array(sides)
@@ -63,7 +65,8 @@ def film():
 def simulation(nodes, quads, sides, f=Factors(), turn=np.eye(3), shift=np.zeros(3)):  # noqa: B008
     """Return a cut of the film, turned, then moved, in the units of the factors."""
     blade = straight_blade(half_thickness=0.1, length=2.0, height=2.0)
-    place = blade.vertices @ turn.T + shift
+    start = [-0.05, 0.0, 0.0]  # on a node, round-off decides whether the tool is outside
+    place = (blade.vertices + start) @ turn.T + shift
     tool = f.tool(sc.Tool.from_triangles(place, blade.triangles, edges=blade.edges))
     mesh = sc.Mesh.from_arrays(nodes @ turn.T + shift, quads, node_sets={"sides": sides})
     law = sc.CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3)

@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 from shellcut.command_line import main
+from shellcut.model_file.writer import _signed
 from shellcut.models import Case
 from shellcut.simulation.instability import UnstableStep
 from tiny_study import SETTINGS, in_words
@@ -45,6 +46,14 @@ def test_a_run_is_the_same_and_its_folder_is_left_as_it_is(out, capsys):
     said, _ = capsys.readouterr()
     assert said.endswith(f"the same: history.csv, splits.csv and digest {digest}\n")
     assert files(out) == before
+
+
+def test_a_run_that_was_forced_is_forced_again(tmp_path, capsys):
+    argv = ["run", "guillotine", *in_words(SETTINGS | {"young": 10}), "-o", str(tmp_path)]
+    assert main(argv) == 2
+    assert main([*argv, "--force"]) == 0
+    assert main(["verify", str(tmp_path)]) == 0
+    assert "the same: " in capsys.readouterr().out
 
 
 def test_the_first_difference_is_said_with_line_column_unit_and_both_values(out, capsys):
@@ -87,8 +96,6 @@ def test_a_new_run_that_stops_is_a_difference(out, capsys, monkeypatch):
 
 def another_version(out):
     used = out / "used.toml"
-    from shellcut.model_file.writer import _signed
-
     body = used.read_text().split("\n", 2)[-1]
     used.write_text(_signed(body.replace("# shellcut ", "# shellcut 0.1.7", 1)))
 
