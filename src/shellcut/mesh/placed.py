@@ -23,7 +23,6 @@ from shellcut.formats.file_axis import turn_to_z
 from .mesh import Mesh, MeshError
 from .quad_geometry import plane_normal
 
-
 _FARTHEST = 1e6
 """Largest shift over the size of the film: beyond it, round-off changes the film's shape."""
 
