@@ -106,6 +106,7 @@ PAGES = {
         "theory/yielding-cut",
         "theory/yielding-disc",
         "same-bits",
+        "reliability",
         "performance",
     ],
     "Reference": [

@@ -176,10 +176,15 @@ def sample(n, names=tuple(MODELS), seed=20261122):
 
 def outcome(text):
     """Return "refused", "blew up" or "built"; raise what should not be."""
+    return outcome_of(lambda: model_of_text(text, "model.toml"))
+
+
+def outcome_of(read):
+    """Return the same of a function that reads a model."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            case = build(model_of_text(text, "model.toml"))
+            case = build(read())
         except ModelFileError:
             return "refused"
         sim = case.simulation

@@ -100,10 +100,8 @@ def test_an_executor_of_the_caller_gives_the_same_table(done, part):
     assert found.table.read_bytes() == done.table.read_bytes()
 
 
-@pytest.mark.parametrize(
-    "how", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)]
-)
-def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
+def test_a_study_that_is_interrupted_goes_on(done, tmp_path):
+    """On two processes; `tests/reliability/kills.py` has other signals."""
     settings = in_words(SETTINGS | ANGLES)
     command = [sys.executable, "-m", "shellcut", "sweep", "guillotine", *settings]
     command += ["--jobs=2", f"-o={tmp_path}"]
@@ -112,12 +110,11 @@ def test_a_study_that_is_ended_goes_on(done, tmp_path, how):
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=begin) as process:
         for line in process.stderr:
             if line.startswith("[1/"):
-                os.kill(process.pid, how)
+                os.kill(process.pid, signal.SIGINT)
                 break
         rest = process.stderr.read()  # until the last process has ended
-    if how == signal.SIGINT:
-        assert "the present runs keep their checkpoints" in rest
-        assert process.returncode == 130
+    assert "the present runs keep their checkpoints" in rest
+    assert process.returncode == 130
     before = done_at(tmp_path)
     assert before
     found = study(tmp_path)

@@ -307,6 +307,16 @@ def test_a_pipe_that_is_closed_stops_no_command(out, tmp_path, monkeypatch):
     assert (run / "comparison.json").exists()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="needs preexec_fn")
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_stream_that_is_closed_from_the_start_stops_no_command(number):
+    command = [sys.executable, "-m", "shellcut", "keys", "angle"]
+    done = subprocess.run(
+        command, capture_output=True, preexec_fn=lambda: os.close(number), check=False
+    )
+    assert (done.returncode, b"Traceback" in done.stderr) == (0, False)
+
+
 @pytest.mark.parametrize(
     ("command", "mine"),
     [

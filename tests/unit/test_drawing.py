@@ -54,6 +54,16 @@ class TestDxf:
         with pytest.raises(FileError, match="nothing on the layers fim; layers in use: cut, dim"):
             read_drawing(tmp_path / "plate.dxf", layers=["fim"])
 
+    def test_an_unknown_entity_without_a_layer_is_left_out(self, tmp_path, caplog):
+        path = saved(tmp_path / "plate.dxf", plate())
+        text = path.read_bytes().replace(b"\r\n", b"\n")
+        first, rest = text.split(b"\nTEXT\n", 1)
+        # As the damage that found it: its handle, its owner and its layer are lost.
+        path.write_bytes(first + b"\nNOTHING\n" + rest[rest.index(b"\n100\nAcDbText") + 1 :])
+        found = read_drawing(path, layers=["cut"])
+        assert found.area == pytest.approx(AREA, rel=1e-3)
+        assert "left out: 2 entities on layer 'dim'" not in caplog.text
+
     def test_the_area_converges_with_the_chord_deviation(self, tmp_path):
         path = saved(tmp_path / "plate.dxf", plate())
         misses = []

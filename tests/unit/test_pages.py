@@ -41,6 +41,7 @@ NOT_RUN = {
     "from build123d": "a package of 300 MB; the caps are teeth of shellcut instead",
     "python caps.py": "the same",
     "from harness": "a file of the sources, which the command below it runs",
+    "python tests/reliability": "an hour; test_reliability.py makes a few trials of each kind",
     "plate.load_steps([1.31])": "three lines on a plate, which test_statics.py has",
 }
 """Parts of commands and of Python that are not run, and why."""
@@ -243,6 +244,7 @@ PAGES = {
         (tensile_test,),
         left="meshes/table.csv speeds/table.csv friction/table.csv film out/report.html",
     ),
+    "docs/reliability.md": Page(),
     "docs/theory/oscillating.md": Page((sources,), left="out/wave.webp out/wave.png out9"),
     "docs/theory/statics.md": Page(),
 }

@@ -41,6 +41,13 @@ def test_a_turn_about_the_axis_and_the_shift_come_in_this_order():
     assert placed(SHEET) is SHEET
 
 
+def test_a_shift_that_swallows_the_shape_of_the_film_is_refused():
+    film = rectangle(4.0, 2.0, n_x=4, n_y=2)
+    np.testing.assert_allclose(np.ptp(placed(film, shift=(4e6, 0, 0)).nodes, axis=0), [4, 2, 0])
+    with pytest.raises(ValueError, match=r"shift must be at most 4e\+06 mm, .* got \[1e\+17"):
+        placed(film, shift=(1e17, 0, 0))
+
+
 def test_a_curved_film_has_no_normal():
     with pytest.raises(MeshError, match="give the direction in its file that becomes z"):
         placed(cylinder(3.0, 4.0, n_around=12, n_along=3), axis="normal")

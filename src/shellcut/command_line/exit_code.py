@@ -20,7 +20,7 @@ MEANINGS = {
     "is saved",
     FAILED: "the run failed: disk full, folder gone, an error in a hook. The output is "
     "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`. Or "
-    "runs of a study failed, or no run of a search keeps its limits",
+    "runs of a study failed, no run of a search keeps its limits, or `verify` found a difference",
     INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
     "happens, but a shell reports 143",
 }

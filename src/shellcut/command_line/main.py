@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -33,6 +34,7 @@ from . import (
     run,
     sweep,
     tensile,
+    verify,
     view,
     warmup,
 )
@@ -41,7 +43,7 @@ from .listener import ignore_closed_pipe
 from .shared_arguments import add_shown_in_to
 
 _COMMANDS = (
-    *(run, resume, sweep, converge, fit, optimise, preview),
+    *(run, resume, verify, sweep, converge, fit, optimise, preview),
     *(keys, compare, tensile, report, view, doctor, warmup),
 )
 """A file each, whose text is the help: in one line, at length, and an example."""
@@ -82,8 +84,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with RaisedAgain():
             answer_deferred()
-            for stream in (sys.stdout, sys.stderr):  # a file's name may hold bytes that are no text
-                if isinstance(stream, TextIOWrapper):
+            for name in ("stdout", "stderr"):
+                stream = getattr(sys, name)
+                if stream is None:  # it was closed before the process began
+                    setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+                elif isinstance(stream, TextIOWrapper):  # a file's name may hold bytes, no text
                     stream.reconfigure(errors="backslashreplace")
             if beside := another_project():
                 return refuse(beside)

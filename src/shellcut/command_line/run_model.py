@@ -67,7 +67,7 @@ def _ready(
     from shellcut.recording.recorder import RunEnded
 
     try:
-        case, lines = _built(model, log, options)
+        case, lines = built(model, log, options)
     except (ModelFileError, RefusedModel, OSError) as problem:  # other errors are bugs
         log.warn(refused(problem))
         return BAD_INPUT
@@ -95,7 +95,7 @@ def _ready(
         return BAD_INPUT
 
 
-def _built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, list[str]]:
+def built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, list[str]]:
     """Build, check and compile the model; return it with lines on its contents."""
     from shellcut.models.warmup import warmup
     from shellcut.numerics.jit import on_compilation

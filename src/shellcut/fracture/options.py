@@ -101,6 +101,7 @@ class Fracture:
             "",
             "cables across a quad or side that is cut, evenly spaced; 0: one at each end",
             least=0,
+            most=1000,
             unset="6 where a tool has cutting edges, else 0",
         ),
     ] = None

@@ -243,9 +243,14 @@ def _in_a_line(reason: Exception) -> str:
     return " ".join(str(reason).split()) or type(reason).__name__
 
 
+def _layer(entity: Any) -> str:
+    """Return the layer of an entity; one of a kind that ezdxf does not know may have none."""
+    return str(entity.dxf.layer) if entity.dxf.hasattr("layer") else "0"
+
+
 def _chosen(path: Path, document: Any, wanted: Collection[str]) -> set[str]:
     """Return the names of layers to read, in lower case, as DXF compares them."""
-    used = {entity.dxf.layer for entity in document.modelspace()}
+    used = {_layer(entity) for entity in document.modelspace()}
     present = {name.lower() for name in used}
     if lost := [name for name in wanted if name.lower() not in present]:
         raise FileError(
@@ -268,7 +273,7 @@ def _curves(
             left_out[f"entities in paper space {layout.name!r}"] = n
     budget = Budget(path)
     for outer in document.modelspace():
-        layer = outer.dxf.layer
+        layer = _layer(outer)
         if layer.lower() not in layers:
             left_out[f"entities on layer {layer!r}"] += 1
             continue

@@ -23,6 +23,9 @@ from shellcut.formats.file_axis import turn_to_z
 from .mesh import Mesh, MeshError
 from .quad_geometry import plane_normal
 
+_FARTHEST = 1e6
+"""Largest shift over the size of the film: beyond it, round-off changes the film's shape."""
+
 
 @checked
 def placed(
@@ -48,7 +51,7 @@ def placed(
     Raises
     ------
     ValueError
-        If a direction is none.
+        If a direction is none, or the film is moved so far that round-off changes its shape.
     MeshError
         If the film has no normal because it is not flat.
 
@@ -60,6 +63,12 @@ def placed(
     [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
     """
     move = three("shift", shift, "mm")
+    farthest = _FARTHEST * float(np.ptp(mesh.nodes, axis=0).max())
+    if not np.abs(move).max() <= farthest:
+        raise ValueError(
+            f"shift must be at most {farthest:.3g} mm, {_FARTHEST:.0e} times the size of the film, "
+            f"or round-off changes its shape; got {move.tolist()} mm"
+        )
     normal = plane_normal(mesh.nodes, mesh.quads) if axis == "normal" else None
     if normal is None and axis == "normal":
         raise MeshError(

@@ -1,0 +1,42 @@
+"""Small faults in the mechanics are found by the tests: tests/mutants.py, a mutant a trial."""
+
+import functools
+import json
+
+import mutants
+
+from .trial import Trial
+
+SHARE = 3
+COUNT = 300
+SEED = 54
+RECORD = mutants.ROOT / "build/mutants.jsonl"
+ROWS = {"mutants": ("a test fails where a line of the method is broken", "`tests/mutants.py`")}
+
+
+@functools.cache
+def drawn():
+    return mutants.draw(COUNT, SEED)[0]
+
+
+@functools.cache
+def copy():
+    return mutants.Copy(mutants.ROOT / "build/mutants")
+
+
+def trial(number):
+    """Return a mutant of the draw."""
+    what = mutants.described(*drawn()[number])
+    text = ", ".join(f"{name} {what[name]!r}" for name in mutants.ID)
+    return Trial("mutants", text, functools.partial(_killed, number, what))
+
+
+def _killed(number, what, folder):
+    """Fail if no test of its package fails; keep it in the record of mutants.py."""
+    mutant = drawn()[number]
+    tests = mutants.tests_for(mutant[0])
+    by = copy().run(tests, *mutant)
+    RECORD.parent.mkdir(exist_ok=True)
+    with RECORD.open("a") as file:
+        file.write(json.dumps({**what, "tests": tests, "by": by}) + "\n")
+    assert by, "it survived"

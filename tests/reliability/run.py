@@ -1,0 +1,129 @@
+"""Try every promise for some minutes; print the table, and write docs/reliability.md.
+
+``python tests/reliability/run.py --minutes 90 --json r.json`` tries all kinds. With ``--json`` the
+rows of kinds that were not tried are taken from that file. ``--only kills fuzz`` tries some kinds,
+and writes the page if there is such a file. ``--only kills --trial 37`` makes one trial again, as
+a failure names it.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import sys
+import tempfile
+import time
+import traceback
+from itertools import count
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from reliability import (
+    bits,
+    faults,
+    fuzz,
+    guards,
+    invariants,
+    kills,
+    mutation,
+    supply,
+    table,
+    tiny,
+)
+from reliability.trial import Batch, Impossible
+
+# Those with an end first: the time that they leave is for the others.
+KINDS = {
+    "guards": guards,
+    "supply": supply,
+    "faults": faults,
+    "bits": bits,
+    "mutants": mutation,
+    "invariants": invariants,
+    "fuzz": fuzz,
+    "kills": kills,
+}
+MOST_SURVIVORS = 0.1  # of the mutants
+MOST_SHOWN = 20  # failures of a row whose texts are kept
+
+
+def made(kind, number, rows):
+    """Make one trial and count it in its row."""
+    trial = KINDS[kind].trial(number)
+    row = rows.setdefault(trial.row, {"tried": 0, "kept": 0, "failures": [], "not_possible": []})
+    folder = Path(tempfile.mkdtemp(prefix=f"shellcut-{kind}-"))
+    try:
+        batch = trial.do(folder) or Batch(1, [])
+    except Impossible as reason:
+        row["not_possible"].append(f"{trial.what}: {reason}")
+        return
+    except Exception as problem:
+        batch = Batch(1, ["".join(traceback.format_exception_only(problem)).strip()])
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    row["tried"] += batch.tried
+    row["kept"] += batch.tried - len(batch.failures)
+    for failure in batch.failures:
+        row["failures"].append(f"--only {kind} --trial {number}: {trial.what}: {failure[-1500:]}")
+        print(f"FAILED {row['failures'][-1]}", flush=True)
+
+
+def tried(kind, seconds):
+    """Make trials of a kind until the time is up, one at least; return its rows."""
+    rows, end = {}, time.monotonic() + seconds
+    numbers = count() if KINDS[kind].COUNT is None else range(KINDS[kind].COUNT)
+    for number in numbers:
+        made(kind, number, rows)
+        if time.monotonic() > end:
+            break
+    for row in rows.values():
+        row["failed"] = len(row["failures"])
+        row["failures"] = row["failures"][:MOST_SHOWN]
+    return rows
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--minutes", type=float, default=90.0)
+    parser.add_argument("--json", type=Path, help="rows of all kinds, renewed")
+    parser.add_argument("--only", nargs="+", choices=KINDS, default=[*KINDS], metavar="KIND")
+    parser.add_argument("--trial", type=int, help="make this one trial of the kinds")
+    given = parser.parse_args()
+    end = time.monotonic() + 60.0 * given.minutes
+    tiny.warm()
+    if given.trial is not None:
+        for kind in given.only:
+            rows = {}
+            made(kind, given.trial, rows)
+            print(json.dumps(rows, indent=1))
+        return
+    record = json.loads(given.json.read_text()) if given.json and given.json.exists() else {}
+    rest = list(given.only)
+    while rest:
+        kind = rest.pop(0)
+        left, share = end - time.monotonic(), KINDS[kind].SHARE
+        seconds = left * share / (share + sum(KINDS[other].SHARE for other in rest))
+        began = time.monotonic()
+        rows = tried(kind, seconds)
+        record[kind] = {"rows": rows, "seconds": time.monotonic() - began, **table.stamp()}
+        n = [sum(row[name] for row in rows.values()) for name in ("tried", "kept", "failed")]
+        print(f"{kind}: {n[0]} tried, {n[1]} kept, {n[2]} failed", flush=True)
+        if given.json:
+            given.json.write_text(json.dumps(record, indent=1))
+    print(table.of(record, KINDS))
+    if given.json or len(given.only) == len(KINDS):
+        table.write_page(record, KINDS)
+        print(f"wrote {table.PAGE}")
+    sys.exit(not all(enough(kind, found["rows"].values()) for kind, found in record.items()))
+
+
+def enough(kind, rows):
+    """Return whether a kind is as promised: without a failure, of mutants without every tenth."""
+    tried, _, failed = table.sums(rows)
+    return failed <= (MOST_SURVIVORS * tried if kind == "mutants" else 0)
+
+
+if __name__ == "__main__":
+    main()
