@@ -48,7 +48,6 @@ BESIDE = {
 
 EXPECTED = {
     "fracture/tip_force.py": ["@"],  # a sparse matrix, by SciPy's own loops
-    "tool/rounded_depth.py": ["@", "@"],  # sparse matrices, by SciPy's own loops
     "unit.py": ["factor ** power"],  # of fractions
 }
 """What is left in a file."""

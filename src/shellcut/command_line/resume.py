@@ -27,12 +27,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Build the model stored in the folder and continue from its checkpoint."""
     folder: Path = arguments.out
-    model = stored_model(folder)
     if arguments.settings:
         settings = " ".join(f"--set {setting}" for setting in arguments.settings)
         return refuse(
             f"resume continues with the model of the run's start, without {settings}; for another "
             f"value start a new run: shellcut run {folder / USED} {settings} -o OTHER"
         )
+    model = stored_model(folder)
     log = RunLog(words=model.words, verbose=arguments.verbose)
     return run_model(model, folder, log, resume=True)
