@@ -5,6 +5,7 @@ import pytest
 
 from shellcut import ModelFileError, mesh_from_outline, opening_test, read_model
 from shellcut.mesh.checks import MeshError
+from shellcut.model_file.writer import model_text
 from shellcut.models.path_film import film_along_path
 from shellcut.study.plan import Definition
 from shellcut.tool.motion import ScrewMotion, StraightMotion
@@ -205,6 +206,15 @@ def test_a_film_is_shared_only_if_it_is_meshed_along_paths_and_nothing_is_given(
     planned = Definition("opening", {"tool.file": caps}, settings).plan()
     tools = planned.model_of(planned.runs[1]).sections["membrane"].tools
     assert tools == tuple(given.get("membrane.tools", ()))
+
+
+def test_a_tool_that_is_among_those_of_its_film_is_written_and_read(tmp_path):
+    caps, used = two_caps(tmp_path), tmp_path / "used.toml"
+    keys = {"membrane.radius": 11, "tool.unit": "mm", "tool.file": caps[0], "membrane.tools": caps}
+    used.write_text(model_text(read_model("opening", keys)), encoding="utf-8")
+    again = read_model(used)
+    assert sorted(again.recorded) == sorted(caps)
+    assert again.changed_files() == []
 
 
 def film_of_model(keys):

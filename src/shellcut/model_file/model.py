@@ -90,16 +90,15 @@ class Model:
         return in_keys(text, self.source)
 
     def files(self) -> list[str]:
-        """Return the absolute paths of the files the model reads."""
+        """Return the absolute paths of the files the model reads, each of them once."""
         given = [
             section.values[name]
             for section in self.titled().values()
             for name, key in section.of.keys.items()
             if key.is_file and section.values[name] is not None
         ]
-        return [
-            str(path) for value in given for path in ([value] if isinstance(value, str) else value)
-        ]
+        each = ([value] if isinstance(value, str) else value for value in given)
+        return list(dict.fromkeys(str(path) for paths in each for path in paths))
 
     def changed_files(self) -> list[str]:
         """Return the files that are gone or have changed since the model was written."""
