@@ -29,8 +29,11 @@ from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import inline, kernel
 from shellcut.numerics.vec3 import combine, dot, load, store, sub
 
-# Far above that of a height over a plane, far below any depth that counts [mm].
-ROUND_OFF = 1e-9
+# Of a height over a plane, far below any depth that counts [mm].
+_ROUND_OFF = 1e-9
+
+# Sine between planes that are taken to be no more parallel than this.
+_LEAST_SINE = 1e-9
 
 Cells3: TypeAlias = tuple[int, int, int]
 
@@ -304,7 +307,7 @@ def ball_clearance(
         height = _above(z, t, 0, planes)
         clear = _at_least_away(z, t, planes) - radius
         if one == two and -height > radius:
-            sine = max(_sine_between(t, one, planes), ROUND_OFF)
+            sine = max(_sine_between(t, one, planes), _LEAST_SINE)
             clear = max(clear, (-height - radius) / sine)
         if clear < free and not (_is_above(t, one, surface) or _is_above(t, two, surface)):
             free = clear
@@ -338,7 +341,7 @@ def _is_above(t: int, other: int, surface: TriangleSurface) -> bool:
     least = np.inf
     for a in range(3):
         least = min(least, _above(load(surface.corners[t], a), other, 0, surface.planes))
-    return least > -ROUND_OFF
+    return least > -_ROUND_OFF
 
 
 @kernel
