@@ -292,21 +292,20 @@ def picture(results, path):
     for name, one in results.items():
         way = np.array(one["way"])
         if "course" in one:
-            style = {"B": "c0", "C": "c3"}[name[0]]
+            style = f"c{len(of_notches)}"
             of_notches.append(Curve(f"film {name}", one["course"], style, x=way))
         elif "work" in one and "crack over way" not in one:
             force = 0.5 * np.gradient(np.array(one["work"]), way)
             smooth = np.convolve(force, np.full(5, 0.2), "same")
-            style = "c0" if name.startswith("trouser") else "c3"
-            of_legs.append(Curve(name.partition(",")[0], smooth[:-3], style, x=way[:-3]))
+            style = f"c{len(of_legs)}"
+            of_legs.append(Curve(f"{name} N/mm", smooth[:-3], style, x=way[:-3]))
     draw_curves(
         path,
         [
             Diagram([0.0, 40.0], of_legs, "path of a leg", "mm", "force", "N", "film A"),
             Diagram([0.0, 1.5], of_notches, "path of the jaws", "mm", "force", "N", "Graves"),
         ],
-        columns=2,
-        size=(10.0, 4.6),
+        size=(9.0, 8.0),
     )
 
 
