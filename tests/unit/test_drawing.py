@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from damaged.mutations import mutated
 from shellcut import mesh_from_drawing, read_drawing, read_model
 from shellcut.formats.budget import LIMITS
 from shellcut.formats.errors import FileError
@@ -246,20 +245,6 @@ class TestRefusals:
             monkeypatch.setitem(sys.modules, loaded, None)
         with pytest.raises(ImportError, match=rf"needs? {package}.*pip install"):
             read_drawing(path, layers=["cut"])
-
-
-def test_damaged_files_are_refused_or_read(tmp_path):
-    rng = np.random.default_rng(5)
-    path, n_refused = saved(tmp_path / "plate.dxf", plate()), 0
-    content = path.read_bytes()
-    for k in range(12):
-        cut = content[: int(rng.integers(len(content)))]
-        path.write_bytes(mutated(rng, content, text=True)[0] if k % 4 else cut)
-        try:
-            assert read_drawing(path, layers=["cut"]).area > 0.0
-        except ValueError:
-            n_refused += 1
-    assert n_refused > 2
 
 
 def test_quads_within_the_outline_by_python_and_by_a_model_file(tmp_path):

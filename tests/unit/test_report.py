@@ -391,14 +391,6 @@ class TestChart:
         assert layout["xaxis"]["ticktext"] == ["&lt;b&gt;.stl", "a_very_long_name…"]
 
 
-def test_of_no_folder_the_command_ends_with_two(tmp_path, capsys):
-    assert main(["report", str(tmp_path / "none")]) == 2
-    error = capsys.readouterr().err
-    assert "no such folder" in error
-    assert str(tmp_path / "none") in error
-    assert "Traceback" not in error
-
-
 LISTEN = """<script>
 window.wrong = [];
 addEventListener("securitypolicyviolation", (e) => wrong.push("loads " + e.blockedURI));
