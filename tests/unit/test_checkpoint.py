@@ -196,7 +196,6 @@ A_TABLE = sc.TableMotion([0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     ("options", "named"),
     [
         ({"size": 0.5}, "mesh.nodes: 46 x 3 numbers"),
-        ({"material": homogeneous(thickness=0.08)}, "layers[0].thickness: 0.074 in"),
         ({"material": homogeneous(young=1700.0)}, "layers[0].material.young: 1678.0"),
         ({"material": LAYERED}, "material.layers: 1 entries in"),
         ({"material": homogeneous(points_per_layer=2)}, "points_per_layer: None in"),
@@ -332,9 +331,7 @@ def interrupted_at(step, patch):
     patch.setattr(shellcut.recording.recorder, "save_checkpoint", save)
 
 
-def test_saving_changes_nothing_and_is_repeatable(uninterrupted, tmp_path):
-    case().run(tmp_path / "run", checkpoint_every=0.0, **RECORDS)
-    assert_same_run(tmp_path / "run", uninterrupted)
+def test_what_a_caller_adds_comes_back(tmp_path):
     for extra in ({}, {"a": 1, "b": {"c": 2.5}}):
         sc.save_checkpoint(cutting(), tmp_path / "c.h5", extra=extra)
         assert sc.load_checkpoint(cutting(), tmp_path / "c.h5") == extra
@@ -355,7 +352,7 @@ def test_after_ctrl_c_a_run_goes_on(uninterrupted, tmp_path, monkeypatch, caplog
         interrupted_at(200, patch)
         with pytest.raises(KeyboardInterrupt):
             first.run(tmp_path, checkpoint_every=0.0, **RECORDS)
-    # Between steps, at once, everything saved and said.
+    # Between steps, at once, everything saved and said; 200 checkpoints have changed nothing.
     assert first.simulation.between_steps
     assert first.simulation.state.step == 200
     assert "cut stopped at path" in caplog.text

@@ -216,13 +216,10 @@ class TestRefusals:
         with pytest.raises(FileError, match="blocks must nest to 50 levels at most"):
             read_drawing(saved(tmp_path / "a.dxf", document))
 
-    def test_a_deviation_beyond_round_off_and_too_many_points(self, tmp_path, monkeypatch):
+    def test_a_deviation_beyond_round_off(self, tmp_path):
         path = saved(tmp_path / "plate.dxf", plate())
         with pytest.raises(FileError, match=r"chord_deviation must be .* or more .* got 1e-14"):
             read_drawing(path, layers=["cut"], chord_deviation=1e-14)
-        monkeypatch.setitem(LIMITS, "points of curves", 20)
-        with pytest.raises(FileError, match=r"have 20 points of curves at most, got .* enlarge"):
-            read_drawing(path, layers=["cut"])
 
     @pytest.mark.parametrize(
         ("name", "content", "words"),

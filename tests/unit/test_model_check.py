@@ -174,7 +174,6 @@ TOLD = {
         ["1 supported node on it, the first at (0, 0, 0) mm"],
     ),
     "cut before": (lambda: strip_cut(PARTED), ["or between doubled nodes, from end to end"]),
-    "no support": (lambda: strip_cut(supports=()), ["which has no support"]),
     "sideways": (sideways, ["moves 90° away from where it points"]),
     "backwards": (backwards, ["another direction on 100 % of the path", "reverse the motion"]),
     "out of the film": (

@@ -13,7 +13,6 @@ import shellcut
 import shellcut.view
 from opening_frame import opening_frame
 from shellcut import Recorder, guillotine
-from shellcut.command_line import main
 from shellcut.frame import JOINTED
 from shellcut.recording.frame_capture import Exposure
 from shellcut.results.vtkhdf import VtkHdfWriter
@@ -207,15 +206,3 @@ def test_capture_of_a_film_without_a_tool():
     assert frame.tool_points.shape == (0, 3)
     assert not frame.held.any()
     assert frame.quad_thickness.tolist() == [0.074]
-
-
-@pytest.mark.parametrize("command", ["view out -o page.html", "compare out cap.csv"])
-def test_commands_name_file_line_and_column_of_a_bad_cell(tmp_path, monkeypatch, capsys, command):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cap.csv").write_text("angle,torque\n0,1\n1,2\n2,3\n")
-    leave(tmp_path / "out")
-    history = Path("out") / "history.csv"
-    history.write_text(history.read_text().replace("146.0", "146.O"))
-    assert main(command.split()) == 2
-    said = ", line 4, column 'torque [N*mm]': must be a number, got '146.O'"
-    assert f"refused: {history}{said}" in capsys.readouterr().err
