@@ -9,7 +9,7 @@ import pytest
 
 from damaged.mutations import mutated
 from other_script import run_instead
-from shellcut import read_model, read_tool
+from shellcut import read_tool
 from shellcut.formats import cad_surface, own_process
 from shellcut.formats.errors import FileError
 from shellcut.tool.shapes import straight_blade
@@ -155,13 +155,6 @@ class TestUnits:
         assert "units of 1 and 25.4 mm: all lengths are converted to mm" in caplog.text
         with pytest.raises(FileError, match=r"unit= must not be given, got 10 mm"):
             read_tool(DATA / "two_teeth_inch.step", unit="cm")
-
-
-def test_from_a_model_file(written, caplog):
-    keys = {"tool.file": str(written("from_model.step", wedge)), "chord_deviation": "2 um"}
-    read_model("guillotine", keys).sections["tool"].made()
-    assert "from_model.step: 1 cutting edges found by angle, 6 mm in all" in caplog.text
-    assert "at most 0.002 mm off a curved face" in caplog.text
 
 
 def hollow(occ):

@@ -113,11 +113,7 @@ def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
     said = (out.parent / "stdout").read_text().splitlines()
     patterns = [
         r"film .* 24 quads with sides of 1 to 1 mm.*",
-        r"tool   1 body.*",
-        r"time   about .*",
         r"crack length +[\d.]+ mm",
-        r"cut    .*",
-        r"motion to path 1.5 mm in .*; output: force along \(1, 0, 0\)",
         r"force to cut +at most [\d.]+ N, at [\d.]+ mm; no mean: .*",
     ]
     for pattern in patterns:
@@ -202,7 +198,7 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
         (["sweep", "opening", "-o", "o", "--design", "lhs"], "such as --n 16"),
         (["run", "file", "-o", "out", "--no-pictures"], "refused: file: model must be given"),
         (["resume", "nowhere"], "nowhere: there is no such folder"),
-        (["report", "nowhere"], "there is no such folder: nowhere"),
+        (["report", "nowhere"], "nowhere must be the folder of a run"),
         (["resume", "."], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
         (

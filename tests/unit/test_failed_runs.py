@@ -66,6 +66,7 @@ def broken_run(tmp_path, capsys, monkeypatch):
     [
         (KeyError("no such figure"), ["Traceback", "KeyError: 'no such figure'", "remove the"]),
         (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), ["No space left", "free space, then:"]),
+        (OSError(errno.EFBIG, os.strerror(errno.EFBIG)), ["File too large", "free space, then:"]),
     ],
 )
 def test_an_error_on_the_way_is_shown_and_the_run_goes_on(whole, tmp_path, broken_run, error, said):
