@@ -51,18 +51,14 @@ def written(tmp_path_factory):
     return write
 
 
-def prism(occ, points, height, z=0.0):
-    corners = [occ.addPoint(x, y, z) for x, y in points]
-    sides = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
-    face = occ.addPlaneSurface([occ.addCurveLoop(sides)])
-    return [part for part in occ.extrude([(2, face)], 0.0, 0.0, height) if part[0] == 3]
-
-
 def wedge(occ, length=6.0, height=6.0):
     """The package's straight blade as a solid."""
     back = 0.3 / tan(radians(10.0))
     profile = [(0, 0), (-back, -0.3), (-length, -0.3), (-length, 0.3), (-back, 0.3)]
-    return prism(occ, profile, height, z=-0.5 * height)
+    corners = [occ.addPoint(x, y, -0.5 * height) for x, y in profile]
+    sides = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(sides)])
+    return [part for part in occ.extrude([(2, face)], 0.0, 0.0, height) if part[0] == 3]
 
 
 def ring(occ):

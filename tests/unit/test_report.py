@@ -167,13 +167,10 @@ def without(*names):
     return change
 
 
-def with_texts(**texts):
-    def change(folder):
-        for name, text in texts.items():
-            (path,) = folder.glob(f"{name}.*")
-            path.write_text(text)
-
-    return change
+def broken(folder):
+    (folder / "guillotine.vtkhdf").write_text("no HDF5")
+    (folder / "summary.json").write_text("{")
+    (folder / "history.csv").write_text("time [s],path [mm]\n0.0,0.0\n")
 
 
 def without_column(folder):
@@ -195,7 +192,7 @@ LOST = {
         {"Force"},
     ),
     "broken files": (
-        with_texts(guillotine="no HDF5", summary="{", history="time [s],path [mm]\n0.0,0.0\n"),
+        broken,
         ["The frames cannot be shown", "The summary cannot be shown", "fewer than two rows"],
         {"Force", "Conclusion", "Answers", "Values"},
     ),
