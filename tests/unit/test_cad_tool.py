@@ -9,7 +9,7 @@ import pytest
 
 from damaged.mutations import mutated
 from other_script import run_instead
-from shellcut import read_model, read_tool
+from shellcut import read_tool
 from shellcut.formats import cad_surface, own_process
 from shellcut.formats.errors import FileError
 from shellcut.tool.shapes import straight_blade
@@ -51,18 +51,14 @@ def written(tmp_path_factory):
     return write
 
 
-def prism(occ, points, height, z=0.0):
-    corners = [occ.addPoint(x, y, z) for x, y in points]
-    sides = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
-    face = occ.addPlaneSurface([occ.addCurveLoop(sides)])
-    return [part for part in occ.extrude([(2, face)], 0.0, 0.0, height) if part[0] == 3]
-
-
 def wedge(occ, length=6.0, height=6.0):
     """The package's straight blade as a solid."""
     back = 0.3 / tan(radians(10.0))
     profile = [(0, 0), (-back, -0.3), (-length, -0.3), (-length, 0.3), (-back, 0.3)]
-    return prism(occ, profile, height, z=-0.5 * height)
+    corners = [occ.addPoint(x, y, -0.5 * height) for x, y in profile]
+    sides = [occ.addLine(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(sides)])
+    return [part for part in occ.extrude([(2, face)], 0.0, 0.0, height) if part[0] == 3]
 
 
 def ring(occ):
@@ -155,13 +151,6 @@ class TestUnits:
         assert "units of 1 and 25.4 mm: all lengths are converted to mm" in caplog.text
         with pytest.raises(FileError, match=r"unit= must not be given, got 10 mm"):
             read_tool(DATA / "two_teeth_inch.step", unit="cm")
-
-
-def test_from_a_model_file(written, caplog):
-    keys = {"tool.file": str(written("from_model.step", wedge)), "chord_deviation": "2 um"}
-    read_model("guillotine", keys).sections["tool"].made()
-    assert "from_model.step: 1 cutting edges found by angle, 6 mm in all" in caplog.text
-    assert "at most 0.002 mm off a curved face" in caplog.text
 
 
 def hollow(occ):

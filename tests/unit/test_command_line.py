@@ -113,11 +113,7 @@ def test_a_run_says_what_it_starts_from_and_what_came_of_it(out):
     said = (out.parent / "stdout").read_text().splitlines()
     patterns = [
         r"film .* 24 quads with sides of 1 to 1 mm.*",
-        r"tool   1 body.*",
-        r"time   about .*",
         r"crack length +[\d.]+ mm",
-        r"cut    .*",
-        r"motion to path 1.5 mm in .*; output: force along \(1, 0, 0\)",
         r"force to cut +at most [\d.]+ N, at [\d.]+ mm; no mean: .*",
     ]
     for pattern in patterns:
@@ -151,14 +147,16 @@ def test_what_is_refused_touches_nothing_and_can_be_forced_where_that_makes_sens
 ):
     before, command = states(out), ["run", "guillotine", *SHORT]
     soft = ["--set", "young=10"]
+    never = ["--overwrite", "--force", "--set", "thickness=74"]
     for more, *said in (
-        (["--overwrite", "--set", "thickness=74"], "theory is not valid, got thickness 74 mm"),
+        (never, "theory is not valid, got thickness 74 mm"),
         (["--overwrite", *soft], "--force"),
         ([], "--overwrite", f"shellcut resume {out}"),
     ):
         assert main([*command, *more, "-o", str(out)]) == 2
         error = capsys.readouterr().err
         assert [one for one in said if one not in error] == []
+        assert more is not never or "--force" not in error
         assert states(out) == before
     assert main([*command, *soft, "-o", str(tmp_path), "--force"]) == 0
     doubt = "distrust: Before the run: strength 18 MPa is 1.8 times the film's modulus"
@@ -187,10 +185,7 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
     [
         (["run"], "give a MODEL: a file, or one of free, guillotine, opening"),
         (["run", "opening"], "-o OUT"),
-        (["run", "openign", "-o", "out"], "did you mean opening?"),
-        (["run", "opening", "-o", "out", "--set", "tool.teehs=3"], "did you mean teeth?"),
         (["run", "opening", "-o", "out", "--set", "teeth"], "--set teeth: must be KEY=VALUE"),
-        (["run", "opening", "-o", "out", "--set", "file=3"], "one of membrane.file, tool.file"),
         (["run", "opening", "-o", "out", "--frames", "0"], "[output].frames must be 1 or more"),
         (["run", "opening", "-o", "file"], "-o must name a folder"),
         (["run", "opening", "--write-model", "file"], "already exists"),
@@ -203,6 +198,7 @@ def test_the_account_is_balanced_and_comes_every_five_per_cent(out):
         (["sweep", "opening", "-o", "o", "--design", "lhs"], "such as --n 16"),
         (["run", "file", "-o", "out", "--no-pictures"], "refused: file: model must be given"),
         (["resume", "nowhere"], "nowhere: there is no such folder"),
+        (["report", "nowhere"], "nowhere must be the folder of a run"),
         (["resume", "."], "holds no used.toml"),
         (["preview", "openign"], "did you mean opening?"),
         (

@@ -1,4 +1,7 @@
-"""Runs that fail on the way: what they end with, what they leave, how they go on."""
+"""Runs that fail on the way, or whose folder another run wants: what they leave, how they go on.
+
+`tests/reliability/faults.py` fills disks, limits files and takes folders away, too.
+"""
 
 import errno
 import json
@@ -12,10 +15,11 @@ import shellcut
 import shellcut.recording.recorder
 from notched_strip import cutting
 from same_run import assert_same_run
+from shellcut import read_model
 from shellcut.command_line import main
+from shellcut.files.folder_lock import FolderInUse, FolderLock
 from shellcut.models import Case
 from shellcut.recording.recorder import Recorder
-from small_disk import REFUSAL, files_of_at_most
 
 MODEL = ["guillotine", "--set", "size=1", "--set", "membrane.length=6", "--set", "travel=0.6"]
 MODEL += ["--set", "membrane.width=4", "--set", "output.rows=200", "--frames", "20"]
@@ -57,59 +61,12 @@ def broken_run(tmp_path, capsys, monkeypatch):
     return run
 
 
-def test_a_full_disk_has_its_own_code_and_the_run_goes_on(whole, tmp_path, broken_run):
-    go, out = Case.go, tmp_path / "out"
-
-    def limited(case, recorder):
-        with files_of_at_most(220_000):
-            go(case, recorder)
-
-    said = broken_run(Case, "go", limited)
-    assert f"File too large: '{out / 'guillotine.vtkhdf'}'" in said
-    assert f"free space, then: shellcut resume {out}" in said
-    assert "failed at path " in said
-    assert "failed at path " in (out / "run.log").read_text()
-    assert "Traceback" not in said
-    # What there is can be read, and nothing says that the run had ended.
-    results = shellcut.read(out)
-    assert results.n_frame >= 1
-    assert results.summary == {}
-    assert not (out / "run.lock").exists()
-    assert main(["resume", str(out)]) == 0
-    assert_same_run(out, whole)
-
-
-def test_a_row_that_does_not_fit_is_written_when_it_goes_on(uninterrupted, tmp_path):
-    case = Case("cut", cutting(), END)
-    recorder = Recorder(case.simulation, tmp_path, until=END, name="cut", **RECORDS)
-    append, refused = recorder._files.history.append, []
-
-    def full(row):
-        if case.simulation.state.step > 150 and not refused:
-            refused.append(row)
-            recorder._files.frames.settle()  # the limit is one of the process
-            size = (tmp_path / "history.csv").stat().st_size
-            with files_of_at_most(size + 7):
-                append(row)
-        append(row)
-
-    recorder._files.history.append = full
-    with pytest.raises(OSError, match=REFUSAL):
-        case.go(recorder)
-    assert refused
-    # Saved where it failed: nothing is done twice but the row.
-    again = Case("cut", cutting(), END)
-    gone_on = Recorder(again.simulation, tmp_path, until=END, name="cut", resume=True, **RECORDS)
-    assert again.simulation.state.step == case.simulation.state.step
-    again.go(gone_on)
-    assert_same_run(tmp_path, uninterrupted)
-
-
 @pytest.mark.parametrize(
     ("error", "said"),
     [
         (KeyError("no such figure"), ["Traceback", "KeyError: 'no such figure'", "remove the"]),
         (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), ["No space left", "free space, then:"]),
+        (OSError(errno.EFBIG, os.strerror(errno.EFBIG)), ["File too large", "free space, then:"]),
     ],
 )
 def test_an_error_on_the_way_is_shown_and_the_run_goes_on(whole, tmp_path, broken_run, error, said):
@@ -121,9 +78,14 @@ def test_an_error_on_the_way_is_shown_and_the_run_goes_on(whole, tmp_path, broke
             raise error
 
     told = broken_run(Recorder, "_record", failing)
-    for part in (*said, f"shellcut resume {out}"):
+    for part in (*said, "failed at path ", f"shellcut resume {out}"):
         assert part in told
-    assert not (out / "summary.json").exists()
+    assert "failed at path " in (out / "run.log").read_text()
+    # What there is can be read, and nothing says that the run had ended.
+    results = shellcut.read(out)
+    assert results.n_frame >= 1
+    assert results.summary == {}
+    assert not (out / "run.lock").exists()
     assert main(["resume", str(out)]) == 0
     assert_same_run(out, whole)
 
@@ -152,11 +114,6 @@ def moved(folder):
     folder.rename(folder.with_name("elsewhere"))
 
 
-def emptied(folder):
-    for path in folder.iterdir():
-        path.unlink()
-
-
 def replaced(folder):
     shutil.rmtree(folder)
     folder.mkdir()
@@ -164,7 +121,7 @@ def replaced(folder):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="open files cannot be removed there")
-@pytest.mark.parametrize("take_away", [shutil.rmtree, moved, emptied, replaced])
+@pytest.mark.parametrize("take_away", [shutil.rmtree, moved, replaced])
 def test_a_folder_taken_away_ends_the_run(tmp_path, monkeypatch, broken_run, take_away):
     out, call, steps = tmp_path / "out", Recorder.__call__, []
 
@@ -183,3 +140,44 @@ def test_a_folder_taken_away_ends_the_run(tmp_path, monkeypatch, broken_run, tak
         assert main(["resume", str(tmp_path / "elsewhere")]) == 0
     elif take_away is replaced:
         assert {p.name for p in out.iterdir()} == {"history.csv"}
+
+
+# --- a folder that another run is writing; test_taken_folder.py has another process
+
+
+@pytest.fixture
+def in_use(whole, tmp_path):
+    """The folder of a run that is being written."""
+    out = shutil.copytree(whole, tmp_path / "out")
+    lock = FolderLock(out)
+    yield out
+    lock.close()
+
+
+RUN = f"run {' '.join(MODEL)} -o OUT"
+OVERWRITE = f"{RUN} --overwrite"
+
+
+@pytest.mark.parametrize(
+    ("command", "looked"),
+    [("resume OUT", False), (RUN, False), (OVERWRITE, False), (OVERWRITE, True)],
+)
+def test_a_second_run_in_a_folder_is_refused(in_use, capsys, monkeypatch, command, looked):
+    before = {path.name: path.read_bytes() for path in in_use.iterdir()}
+    if looked:  # before the first run began: the folder is taken when it comes to writing
+        monkeypatch.setattr("shellcut.files.folder_lock.refuse_if_in_use", lambda _: None)
+    assert main([str(in_use) if word == "OUT" else word for word in command.split()]) == 2
+    said = capsys.readouterr().err
+    assert f"{in_use} is being written by this very process" in said
+    assert "Traceback" not in said
+    assert {path.name: path.read_bytes() for path in in_use.iterdir()} == before
+
+
+def test_readers_are_not_disturbed_and_disturb_nobody(in_use):
+    lock = (in_use / "run.lock").read_bytes()
+    assert shellcut.read(in_use).n_frame >= 1
+    assert main(["report", str(in_use)]) == 0
+    assert (in_use / "run.lock").read_bytes() == lock
+    case = read_model(in_use / "used.toml").build()
+    with pytest.raises(FolderInUse):
+        case.run(in_use, resume=True, progress=False)

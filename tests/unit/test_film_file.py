@@ -55,6 +55,7 @@ class TestTriangles:
         path = written(tmp_path, MIXED, point_data={"left": left}, cell_data={"corner": part})
         mesh = read_film(path, unit="mm", triangles="split")
         assert mesh.n_quad == 4 * 9 + 3 * 2
+        assert (mesh.edges().n_quad == 1).sum() == 2 * 14  # of the border: nothing has come apart
         assert mesh.quad_areas().sum() == pytest.approx(10.0, rel=1e-14)  # round-off
         assert mesh.quad_areas()[mesh.quad_set("corner")].sum() == pytest.approx(1.0, rel=1e-14)
         np.testing.assert_array_equal(

@@ -60,20 +60,3 @@ def test_zeros_take_no_room_and_equal_numbers_next_to_none(tmp_path):
     with h5py.File(tmp_path / "a.h5") as file:
         np.testing.assert_array_equal(file["x"][:5000], block)
         np.testing.assert_array_equal(file["x"][8192:], block + 7.0)
-
-
-def test_columns_of_an_older_file_go_on_after_a_cut(tmp_path):
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        columns = Columns(file)
-        columns.create("x/packed", np.float32, written="packed")
-        columns.link("alias", "x/packed")
-        for k in range(3):
-            columns.write("x/packed", columns.end("x/packed"), np.full(10, k, np.float32))
-    with h5py.File(tmp_path / "a.h5", "r+") as file:
-        columns = Columns(file)
-        assert set(columns) == {"x/packed", "alias"}
-        columns.cut("x/packed", 4096 + 10)
-        assert columns.end("x/packed") == 8192
-        columns.write("x/packed", 8192, np.full(5, 9, np.float32))
-        assert file["alias"][4096:4106].tolist() == [1.0] * 10
-        assert file["alias"][8192:].tolist() == [9.0] * 5

@@ -112,7 +112,10 @@ def test_a_kept_part_that_has_been_changed_is_refused(path, change, line):
     lines[line] = CHANGES[change](lines[line])
     changed = b"".join(lines)
     path.write_bytes(changed)
-    with pytest.raises(ValueError, match=r"history\.csv must be as it was at the checkpoint"):
+    said = r"history\.csv must be as it was at the checkpoint"
+    if change == "a bad cell":
+        said += rf".*line {line + 1}, column 'time \[s\]': must be a number"
+    with pytest.raises(ValueError, match=said):
         HistoryWriter(path, COLUMNS, kept=kept)
     assert path.read_bytes() == changed  # nothing is lost
 

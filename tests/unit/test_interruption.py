@@ -133,35 +133,6 @@ def test_ctrl_c_becomes_a_keyboard_interrupt():
                 signal.raise_signal(signal.SIGINT)
 
 
-_WAITING = """
-import signal
-import time
-from shellcut.signals import Interruption
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
-with Interruption() as interruption:
-    print("running", flush=True)
-    while not interruption.requested:
-        time.sleep(0.01)
-    print("saved", flush=True)
-interruption.deliver()
-print("went on", flush=True)
-"""
-
-
-@pytest.mark.parametrize("number", SIGNALS)
-def test_a_process_ends_as_by_the_signal(number):
-    process = subprocess.Popen(
-        [sys.executable, "-c", _WAITING], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert process.stdout.readline() == "running\n"
-    time.sleep(0.05)
-    process.send_signal(number)
-    out, err = process.communicate(timeout=30)
-    assert out == "saved\n"
-    assert process.returncode == -number
-    assert ("KeyboardInterrupt" in err) == (number == signal.SIGINT)
-
-
 # ---------------------------------------------------------------- held back
 
 

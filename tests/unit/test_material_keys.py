@@ -1,7 +1,6 @@
 """The keys of a film that yields: what they build, what they refuse, presets by name."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,7 +26,6 @@ from shellcut.model_file.material_keys import presets
 MODULI = Elastic(1678.0, 0.3, 1e-9)
 YIELDS = {"hardening.yield_stress": 20}
 AXES = {"young_across": 900.0, "shear": "400 MPa"}
-DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def material(**keys):
@@ -232,19 +230,14 @@ def test_a_long_table_is_thinned(tmp_path):
 
 class TestPresets:
     @pytest.mark.parametrize("name", presets())
-    def test_it_builds_and_names_its_source(self, name):
+    def test_it_names_its_source(self, name):
         one = presets()[name]
-        film = preset_film(name)
-        assert film.thickness > 0.0
         assert one["title"]
         assert one["fit"]
         assert len(one["sources"]) >= 1
         for source in one["sources"]:
             # who, and what was measured or given
             assert len(source) > 60
-        page = (DOCS / "materials.md").read_text(encoding="utf-8")
-        for text in (one["title"], one["fit"], *one["sources"]):
-            assert text in page
 
     @pytest.mark.parametrize("name", presets())
     def test_its_curve_has_the_published_figures(self, name):

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from known_film import write_deck
-from shellcut import FilmOutline, ShellMaterial, Simulation, oscillating, read_drawing, read_model
-from shellcut.mesh.structured import disc, opening_disc, rectangle
+from shellcut import FilmOutline, Simulation, oscillating, read_drawing, read_model
+from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
 from shellcut.model_file.forms import written
 from shellcut.model_file.material_keys import (
@@ -431,22 +431,14 @@ def test_every_option_of_a_simulation_and_output_is_in_some_section():
     assert set(OUTPUT().arguments()) <= set(inspect.signature(RunOptions).parameters)
 
 
-def test_layers_rates_ramps_and_discs_are_made(tmp_path):
-    ply = "[[material.layers]]\nyoung = {}\npoisson = 0.3\ndensity = 1e-9\nthickness = 0.02\n"
-    path = tmp_path / "x.toml"
-    path.write_text('model = "opening"\n' + ply.format(70000.0) + ply.format(200.0))
-    made = read_model(path).sections["material"].made()
-    assert isinstance(made, ShellMaterial)
-    assert [layer.material.young for layer in made.layers] == [70000.0, 200.0]
-    assert HOMOGENEOUS().made() == ShellMaterial.homogeneous()
+def test_rates_and_ramps_are_made(tmp_path):
     support = SUPPORT(nodes="rim", velocity={"x": 2.0}, spin={"z": 3.0}).made()
     assert support.velocity["x"](0.1) == 2.0
     assert support.spin["z"](7.0) == 3.0
+    path = tmp_path / "x.toml"
     path.write_text('model = "opening"\n[[loads]]\nvalue = 1.0\nramp = "2 ms"\n')
     factor = read_model(path).lists["loads"][0].made().factor
     assert [factor(t) for t in (0.0, 1e-3, 2e-3, 9.0)] == [0.0, 0.5, 1.0, 1.0]
-    kind = SECTIONS["free"]["membrane"][2]
-    assert kind(radius=5.0, n_side=4).made().n_quad == disc(5.0, n_side=4).n_quad
 
 
 @pytest.mark.parametrize("name", sorted(shipped_models()))

@@ -167,13 +167,10 @@ def without(*names):
     return change
 
 
-def with_texts(**texts):
-    def change(folder):
-        for name, text in texts.items():
-            (path,) = folder.glob(f"{name}.*")
-            path.write_text(text)
-
-    return change
+def broken(folder):
+    (folder / "guillotine.vtkhdf").write_text("no HDF5")
+    (folder / "summary.json").write_text("{")
+    (folder / "history.csv").write_text("time [s],path [mm]\n0.0,0.0\n")
 
 
 def without_column(folder):
@@ -195,7 +192,7 @@ LOST = {
         {"Force"},
     ),
     "broken files": (
-        with_texts(guillotine="no HDF5", summary="{", history="time [s],path [mm]\n0.0,0.0\n"),
+        broken,
         ["The frames cannot be shown", "The summary cannot be shown", "fewer than two rows"],
         {"Force", "Conclusion", "Answers", "Values"},
     ),
@@ -389,14 +386,6 @@ class TestChart:
         (points,), layout = drawn(html)
         assert len(points["x"]) == len(points["text"]) == 401
         assert layout["xaxis"]["ticktext"] == ["&lt;b&gt;.stl", "a_very_long_name…"]
-
-
-def test_of_no_folder_the_command_ends_with_two(tmp_path, capsys):
-    assert main(["report", str(tmp_path / "none")]) == 2
-    error = capsys.readouterr().err
-    assert "no such folder" in error
-    assert str(tmp_path / "none") in error
-    assert "Traceback" not in error
 
 
 LISTEN = """<script>

@@ -1,9 +1,7 @@
 """What a run leaves is read back: history, frames, figures, also before it has ended."""
 
 import dataclasses
-import os
 import re
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,15 +11,10 @@ import pytest
 
 import shellcut
 import shellcut.view
-from notched_strip import cutting
 from opening_frame import opening_frame
-from same_run import assert_same_run
 from shellcut import Recorder, guillotine
-from shellcut.command_line import main
 from shellcut.frame import JOINTED
-from shellcut.models import Case
 from shellcut.recording.frame_capture import Exposure
-from shellcut.recording.recorder import RunEnded
 from shellcut.results.vtkhdf import VtkHdfWriter
 from test_vtkhdf import assert_same
 
@@ -85,9 +78,6 @@ def test_history_figures_and_splits(run):
     assert len(results.history["force"]) == len(results.history["time"]) >= 40
     assert results.summary["n_quad"] == sim.mesh.n_quad
     np.testing.assert_array_equal(results.coordinates, [frame.coordinate for frame in written])
-    assert results.splits["twin"].dtype == int
-    assert set(results.splits["kind"]) <= {"criterion", "blade"}
-    assert results.split_units["force_jump"] == "N"
     assert len(results.splits["time"]) == len(sim.state.split_log)
     for k in (0, -1):
         rotation, translation = results.tool_pose(k)
@@ -216,49 +206,3 @@ def test_capture_of_a_film_without_a_tool():
     assert frame.tool_points.shape == (0, 3)
     assert not frame.held.any()
     assert frame.quad_thickness.tolist() == [0.074]
-
-
-@pytest.mark.parametrize("command", ["view out -o page.html", "compare out cap.csv"])
-def test_commands_name_file_line_and_column_of_a_bad_cell(tmp_path, monkeypatch, capsys, command):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cap.csv").write_text("angle,torque\n0,1\n1,2\n2,3\n")
-    leave(tmp_path / "out")
-    history = Path("out") / "history.csv"
-    history.write_text(history.read_text().replace("146.0", "146.O"))
-    assert main(command.split()) == 2
-    said = ", line 4, column 'torque [N*mm]': must be a number, got '146.O'"
-    assert f"refused: {history}{said}" in capsys.readouterr().err
-
-
-KILLED = """
-import os, signal, sys
-sys.path.insert(0, {tests!r})
-from notched_strip import cutting
-from shellcut.models import Case
-from shellcut import Results
-
-def kill(*_, **__):
-    os.kill(os.getpid(), signal.SIGKILL)
-
-Results.plot_energy = kill
-Case("cut", cutting(), {end}).run({folder!r}, n_row=10, n_frame=2, n_snapshot=0, progress=False)
-"""
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
-def test_a_run_killed_at_its_end_is_summed_up_when_resumed(tmp_path):
-    pytest.importorskip("matplotlib", reason="needs shellcut-fem[plot]")
-    whole, part = tmp_path / "whole", tmp_path / "part"
-    Case("cut", cutting(), 8e-6).run(whole, n_row=10, n_frame=2, n_snapshot=0, progress=False)
-    script = KILLED.format(tests=os.path.dirname(__file__), folder=str(part), end=8e-6)
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
-    assert done.returncode == -signal.SIGKILL, done.stderr.decode()
-    assert (part / "force.png").exists()
-    assert not (part / "energy.png").exists()
-    Case("cut", cutting(), 8e-6).run(part, resume=True, progress=False)
-    assert_same_run(part, whole)
-    for picture in whole.glob("*.png"):
-        assert (part / picture.name).read_bytes() == picture.read_bytes(), picture.name
-    # Now it has ended.
-    with pytest.raises(RunEnded):
-        Recorder(cutting(), part, until=8e-6, name="cut", resume=True, progress=False)

@@ -19,6 +19,7 @@ from shellcut.study.report.studied import read_folder
 from shellcut.study.study_file import read_study, write_study
 from shellcut.study.table import write_table
 from test_report import LISTEN, Outline, drawn, sentences, without_scripts
+from tiny_study import SETTINGS
 
 ROOT = Path(__file__).resolve().parents[2]
 SECTIONS = [
@@ -198,15 +199,14 @@ def test_numbers_of_the_first_key_stand_for_values_that_go_together(tmp_path):
 
 @pytest.fixture(scope="module")
 def real(tmp_path_factory):
-    """Three cuts of a tiny strip: the code of the page about studies, as it stands."""
-    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs/howto/studies.md").read_text(), re.S)
-    folder = tmp_path_factory.mktemp("study")
-    names = {}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        exec(compile(code, "studies.md", "exec"), names)
-    assert names["found"].count("done") == 3
-    return folder / "wedges"
+    """Three cuts of a tiny strip."""
+    out = tmp_path_factory.mktemp("study")
+    return sc.sweep("guillotine", {WEDGE: [10, 20, 30]}, out, settings=SETTINGS, executor=1).folder
+
+
+WEDGE, ANGLE, SPEED = "tool.wedge_half_angle_deg", "tool.edge_angle_deg", "motion.speed"
+LINKED = f"{WEDGE}, {SPEED}"
+GIVEN = {LINKED: "10:500, 14:800", ANGLE: [50, 70]}
 
 
 def test_the_shipped_study_is_planned_and_its_figures_go_with_it(tmp_path):
@@ -270,11 +270,6 @@ def test_a_reader_sorts_the_table_and_colours_the_curves(tmp_path):
     assert after == ["caps/a.stl", "caps/<b>.stl"]
     assert len(colors) == 2
     assert overflow <= 0
-
-
-WEDGE, ANGLE, SPEED = "tool.wedge_half_angle_deg", "tool.edge_angle_deg", "motion.speed"
-LINKED = f"{WEDGE}, {SPEED}"
-GIVEN = {LINKED: "10:500, 14:800", ANGLE: [50, 70]}
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import pytest
 from known_film import moebius_strip
 from shellcut.mesh.structured import annulus
 from shellcut.numerics.consistent_winding import common_winding
-from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.surface import Surface
 from shellcut.tool.surface_repair import closed_seams, repaired
 from test_tool import joined, wedge
@@ -35,19 +34,6 @@ def test_separate_corners_become_one_vertex_within_a_tolerance():
     soup = soup + 1e-4 * np.random.default_rng(1).uniform(-1.0, 1.0, soup.shape)
     assert problems(repaired(soup, ids))
     assert not problems(repaired(soup, ids, tolerance=1e-3))
-
-
-def test_any_mix_of_orientations_becomes_one_outside_out():
-    ring = tooth_ring()
-    rng = np.random.default_rng(4)
-    triangles = ring.triangles.copy()
-    against = rng.random(len(triangles)) < 0.4
-    triangles[against] = triangles[against][:, ::-1]
-    done = repaired(ring.vertices, triangles)
-    surface = Surface(done.vertices, done.triangles)
-    assert surface.problems() == []
-    np.testing.assert_allclose(surface.body_volumes(), ring.volume(), rtol=1e-12)  # round-off
-    assert any("were oriented against their neighbours" in note for note in done.notes)
 
 
 def test_only_closed_bodies_inside_out_are_turned():

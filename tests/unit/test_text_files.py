@@ -22,25 +22,14 @@ from shellcut.results.history import read_history
 from shellcut.study.study_file import read_study
 
 
-@pytest.fixture(autouse=True)
-def _without_meshios_warnings(capsys):
-    """It prints that text is for debugging."""
-
-
-def film_of(path):
-    return read_film(path, unit="mm")
-
-
-def tool_of(path):
-    return read_tool(path, unit="mm", sharp_angle_deg=90.0)
-
-
-def _arrays(film):
+def _film(path):
+    film = read_film(path, unit="mm")
     sets = [*film.node_sets.items(), *film.quad_sets.items()]
     return [film.nodes, film.quads, *(ids for _, ids in sets)], [name for name, _ in sets]
 
 
-def _of_tool(tool):
+def _tool(path, **options):
+    tool = read_tool(path, sharp_angle_deg=90.0, **{"unit": "mm", **options})
     return [tool.vertices, tool.triangles, tool.edges], []
 
 
@@ -75,11 +64,11 @@ def drawing_of(path):
 
 def _cad(path):
     pytest.importorskip("gmsh", reason="needs shellcut-fem[mesh]")
-    return _of_tool(read_tool(path, sharp_angle_deg=90.0))
+    return _tool(path, unit=None)
 
 
-READ = {name: (file, of, lambda p: _arrays(film_of(p))) for name, (file, of, _) in FILMS.items()}
-READ |= {name: (file, of, lambda p: _of_tool(tool_of(p))) for name, (file, of, _) in TOOLS.items()}
+READ = {name: (file, content_of, _film) for name, (file, content_of, _) in FILMS.items()}
+READ |= {name: (file, content_of, _tool) for name, (file, content_of, _) in TOOLS.items()}
 TEXTS = {name: one for name, one in READ.items() if (FILMS | TOOLS)[name][2]}
 TEXTS |= {
     "DXF": ("plate.dxf", lambda: lines(*box(0, 0, 40, 30)).encode(), drawing_of),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy
 
-from shellcut import read_model, read_tool
+from shellcut import read_tool
 from shellcut.formats.errors import FileError
 from shellcut.formats.stl import write_stl
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -114,8 +114,6 @@ def test_no_edge_cuts_when_none_is_chosen(tmp_path, cap, caplog):
     caplog.clear()
     assert read_tool(cap, unit="mm", edges="none").n_edge == 0
     assert "cutting edges found" not in caplog.text
-    keys = {"tool.kind": "file", "tool.file": str(path), "tool.unit": "mm", "tool.edges": "none"}
-    assert read_model("free", keys).sections["tool"].made().n_edge == 0
     with pytest.raises(ValueError, match="or 'none', got 'all'"):
         Tool.from_triangles(tool.vertices, tool.triangles, edges="all")
 

@@ -59,7 +59,7 @@ def test_straight_blade_equals_brute_force(half_angle_deg, edge_angle_deg):
         length=2.5,
         height=1.2,
     )
-    assert_matches_brute_force(tool, random_points(tool, seed=11, n=1500))
+    assert_matches_brute_force(tool, random_points(tool, seed=11, n=700))
 
 
 @pytest.mark.parametrize("half_angle_deg", [3.0, 30.0])

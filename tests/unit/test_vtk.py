@@ -114,19 +114,6 @@ def saved_as_told(path):
     return path.with_suffix(".saved.vtu")
 
 
-@pytest.mark.parametrize("suffix", [".vtu", ".vtk"])
-def test_a_grid_written_by_meshio(tmp_path, suffix):
-    path = tmp_path / f"film{suffix}"
-    mesh = meshio.Mesh(
-        NODES,
-        {"quad": QUADS},
-        point_data={"left": LEFT_MASK},
-        cell_data={"right_part": [RIGHT_MASK]},
-    )
-    mesh.write(path)
-    check_film(read_film(path, unit="mm"), right_part="right_part")
-
-
 def in_two_pieces(text):
     (piece,) = re.findall(r"<Piece.*</Piece>", text, re.DOTALL)
     return text.replace(piece, piece * 2)
