@@ -10,7 +10,7 @@ from free_strip import cut_strip
 from naive.border_contact import depth_at, forces_on_ends
 from notched_strip import cutting
 from shellcut.contact.film_outline import FilmOutline, border_segments
-from shellcut.contact.settings import STEEPEST, Contact
+from shellcut.contact.settings import Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
@@ -90,9 +90,6 @@ def random_quads(rng, n):
         yield quad_with(a, b, [1.0, 0.0, 0.0] + 0.3 * rng.normal(size=3))
 
 
-# ---------------------------------------------------------------- the law
-
-
 def test_forces_and_energy_are_those_of_a_plain_twin():
     rng = np.random.default_rng(4)
     sim = one_quad(beside_the_edge())
@@ -139,19 +136,6 @@ def test_what_counts_in_the_step_bounds_the_tangent_of_nodes_and_edges():
             tangent = -((forces[0] - forces[1]) * moved).sum() / (2.0 * eps)
             shares.append(tangent / (k[sim.corners] * (moved**2).sum(axis=1)).sum())
     assert 0.05 < max(shares) < 1.0
-
-
-def test_edges_add_nothing_to_the_step_where_their_nodes_count():
-    sim = one_quad(beside_the_edge(-0.02))
-    evaluated(sim)
-    nodes = sim.corners
-    k = STEEPEST * float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
-    added = term(sim).stiffness(sim.state, {"contact": (nodes, np.full(4, k))})
-    assert added[0].size == 0
-    # Where an end does not count, it has half of each of its two edges: all that a node has.
-    added = term(sim).stiffness(sim.state, {"contact": (nodes[:1], np.full(1, k))})
-    near = dict(zip(*(rows.tolist() for rows in added), strict=True))
-    assert near == pytest.approx({int(nodes[1]): 0.5 * k, int(nodes[3]): 0.5 * k})
 
 
 PATHS = {
@@ -220,9 +204,6 @@ def test_an_edge_inside_keeps_its_side_and_does_not_press_across_the_tool():
     assert t.forces.stored == 0.0
 
 
-# ---------------------------------------------------------------- runs
-
-
 @pytest.mark.parametrize("on", [False, True])
 def test_a_rim_pushed_between_nodes_is_felt(on):
     sim = pushed(Contact(film_edges=on))
@@ -285,19 +266,6 @@ def test_waiting_misses_nothing():
     np.testing.assert_allclose(waits.state.node.x, looks.state.node.x, atol=1e-10)
 
 
-def test_places_of_a_new_list_keep_their_memory_and_count_at_once():
-    sim = pushed()
-    edges = term(sim)
-    while edges.forces.stored == 0.0 or sim.motion.coordinate(sim.state.time) < 0.05:
-        sim.step()
-    before, searched, stored = edges.tables.table.memory, edges.n_search, edges.forces.stored
-    sim.contact.near._age._known.revision = -1
-    sim.step()
-    assert edges.n_search == searched + 1
-    assert edges.tables.table.memory is not before
-    assert edges.forces.stored == pytest.approx(stored, rel=0.2)
-
-
 def ends_by_place(state, outline):
     """Places of both ends of all open edges, by the rows' polygons; where nodes or points are."""
     found, flank = [], state.flank
@@ -338,13 +306,6 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     taken = np.bincount(ends.ravel(), np.repeat(0.5 * edges.stiffness, 2), n.count)
     np.testing.assert_allclose(edges.left + taken, own, rtol=1e-12)
     assert (np.diff(edges.key) > 0).all()
-
-
-@pytest.mark.parametrize(("on", "present"), [(None, False), (True, True)])
-def test_a_run_has_it_where_it_is_asked_for(on, present):
-    names = [t.name for t in pushed(Contact(friction=0.2, film_edges=on)).terms]
-    own = ["edges", "edge_friction"] if present else []
-    assert names == ["contact", "friction", "points", "point_friction", *own, "joints"]
 
 
 @pytest.mark.parametrize(("on", "present"), [(None, True), (False, False)])

@@ -92,19 +92,6 @@ def test_a_director_with_one_axis_left_turns_about_it_on_a_cone():
     assert (turned[:, :2] @ t[:2] < 0.5 * (t[:2] @ t[:2])).all()
 
 
-def test_generalised_forces_work_as_the_nodal_ones():
-    mesh = cylinder(3.0, 4.0, n_around=5, n_along=2, arc_deg=100.0)
-    state, freedoms = freedoms_of(mesh, Support("left", "xyz", "xz"), Support("top", "y", "xz"))
-    t = state.node.t[: mesh.n_node]
-    np.testing.assert_allclose(np.cross(*freedoms.basis.transpose(1, 0, 2)), t, atol=8 * EPS)
-    rng = np.random.default_rng(1)
-    force, director_force = rng.normal(size=(2, mesh.n_node, 3))
-    u = rng.normal(size=5 * mesh.n_node)
-    displacement, spin = freedoms.split(u)
-    work = (force * displacement).sum() + (director_force * np.cross(spin, t)).sum()
-    assert freedoms.gather(force, director_force) @ u == pytest.approx(work, rel=1e-12)
-
-
 def deformed_roof():
     mesh = cylinder(3.0, 4.0, n_around=5, n_along=3, arc_deg=100.0)
     # Left directors turn about y, to which they are normal; those on the right about x, on cones.
@@ -171,16 +158,3 @@ def carried(basis, before, after):
     cos = np.einsum("ni,ni->n", before, after)[:, None, None]
     along = np.einsum("nki,nbi->nbk", axis, basis)
     return cos * basis + np.cross(axis, basis) + along * axis / (1.0 + cos)
-
-
-def test_move_returns_the_strain_that_is_not_linear():
-    _, state, freedoms, _ = deformed_roof()
-    u = freedoms.fill(np.random.default_rng(4).uniform(-1.0, 1.0, freedoms.free.size))
-    start = state.node.x.copy(), state.node.t.copy()
-    bent = []
-    for size in (1e-3, 2e-3):
-        bent.append(freedoms.move(size * u))
-        state.node.x[:], state.node.t[:] = start
-        freedoms.update()
-    # Second order: four times as much for twice the step, but for a third-order part.
-    assert abs(bent[1] - 4.0 * bent[0]).max() < 0.02 * abs(bent[1]).max()

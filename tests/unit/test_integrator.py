@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from naive import cases
 from naive import kick as naive
-from shellcut import Gravity, Simulation, Support
+from shellcut import Support
 from shellcut.central_difference import CentralDifference
 from shellcut.loads.supports import SupportSet
 from shellcut.mesh.structured import rectangle
@@ -103,23 +102,3 @@ def test_kick_and_drift_are_those_of_the_plain_reference_whatever_is_supported(f
     np.testing.assert_allclose(node.x[:n], x + 1e-1 * after[0], rtol=0, atol=1e-13)
     directors = [naive.turned(*pair) for pair in zip(t, 1e-1 * after[1], strict=True)]
     np.testing.assert_allclose(node.t[:n], directors, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize("case", cases.ALL)
-def test_free_fall_is_g(case):
-    mesh = cases.ALL[case]()
-    # So strong that the inner forces, the rounding of positions times the frequency squared or some
-    # 1e-2 mm/s², are below 1e-12 of it.
-    g = np.array([2e11, -3e11, -5e11])
-    sim = Simulation(mesh, cases.FILM, loads=[Gravity(g)], damping_alpha=0.0)
-    sim.step()
-    start = sim.ledger.kinetic - sim.ledger.load_work
-    for _ in range(49):
-        sim.step()
-    state, node = sim.state, sim.state.node
-    fallen = node.velocity_half[: mesh.n_node] / (g * (state.time + 0.5 * sim.dt))
-    assert np.abs(fallen - 1.0).max() < 1e-12
-    moved = node.x[: mesh.n_node] - mesh.nodes
-    np.testing.assert_allclose(moved / (0.5 * g * state.time**2), 1.0, rtol=1e-9)
-    # From the second kick on, as the first is a half one.
-    assert sim.ledger.load_work == pytest.approx(sim.ledger.kinetic - start, rel=1e-12)
