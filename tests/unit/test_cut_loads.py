@@ -12,9 +12,14 @@ from shellcut.fracture.tip import Segment
 from shellcut.loads.loads import LoadSet
 from shellcut.mesh.structured import rectangle
 
+
+def rising(time):
+    return 1.0 + time
+
+
 LOADS = {
-    "dead": [sc.Pressure(0.3)],
-    "following": [sc.Pressure(0.2, following=True, factor=lambda time: 1.0 + time)],
+    "dead": [sc.Pressure(0.3, factor=rising)],
+    "following": [sc.Pressure(0.2, following=True, factor=rising)],
     "some": [sc.Pressure(0.2, True, quads="some"), sc.Pressure(-0.1, quads="some")],
     "edge": [sc.EdgeTraction("right", (2.0, 0.3, -1.0)), sc.EdgeTraction("top", (0.1, 0.0, 1.0))],
     "weight": [sc.Gravity((10.0, 20.0, -9810.0))],

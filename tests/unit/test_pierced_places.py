@@ -90,7 +90,7 @@ def pierced(angle, path, line, kind="squares"):
         ("free", 0.0, "squares"),
         ("free", 30.0, "squares"),
         pytest.param("free", 45.0, "squares", marks=pytest.mark.slow),
-        ("free", 105.0, "squares"),
+        pytest.param("free", 105.0, "squares", marks=pytest.mark.slow),
         ("edges", 30.0, "squares"),
         ("free", 20.0, "skewed"),
         pytest.param("free", 70.0, "triangles", marks=pytest.mark.slow),

@@ -158,6 +158,8 @@ def test_what_needs_time_or_inertia_is_refused():
     with pytest.raises(ValueError, match="leave out velocity") as error:
         sc.Simulation(DISC, film, velocity=still, quasi_static=0.004)
     assert "leave out the rate factor of" in str(error.value)
+    with pytest.raises(ValueError, match="quasi_static"):
+        sc.Simulation(DISC, FILM, quasi_static=0.02)
 
 
 def test_the_verdict_asks_more_of_it():

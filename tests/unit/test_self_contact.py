@@ -12,7 +12,7 @@ from shellcut.contact.quad_distance import closest_place, corners_of
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.numerics.jit import kernel
-from two_pieces import ON, H, approached, evaluated, split, thrown, touching
+from two_pieces import ON, H, evaluated, thrown, touching
 
 
 def momenta(sim):
@@ -263,20 +263,6 @@ def test_flanks_of_a_cut_that_is_closed_again_do_not_overlap():
     assert found.deepest == pytest.approx(wanted, rel=0.05)
     assert overlap < 1.05 * found.deepest
     assert book.self_contact_stored > 0.0
-
-
-def test_the_halves_of_a_split_node_keep_side_and_energy():
-    state, term, x, first = touching([0.13, 0.07, 0.9 * H])
-    away = np.zeros_like(x)
-    away[first:] = [0.0, 0.0, 0.5]
-    _, before = approached(state, term, x, away)
-    node = int(term.tables.presses.node[0, 0])
-    assert node >= first
-    half = split(state, node)
-    force, after = evaluated(state, term, np.vstack([x, x[node]]))
-    assert after.n_touching == before.n_touching + 1
-    assert after.stored == pytest.approx(before.stored, rel=1e-12)
-    np.testing.assert_allclose(force[node], force[half], rtol=1e-12)
 
 
 def test_film_inside_film_at_first_sight_does_not_press_until_it_has_parted():

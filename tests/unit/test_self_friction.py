@@ -151,15 +151,20 @@ def test_pieces_that_turn_together_do_not_slip_and_take_the_spring_along(stuck):
     assert found.n_slipping == 0
 
 
-def test_the_halves_of_a_split_node_keep_their_spring(stuck):
+def test_the_halves_of_a_split_node_keep_side_spring_and_energy(stuck):
     drawn, _, before = stuck
-    node = int(drawn.contact.tables.presses.node[0, 0])
+    touched, node = drawn.contact.forces, int(drawn.contact.tables.presses.node[0, 0])
+    assert node >= drawn.first
     half = split(drawn.state, node)
     drawn.x = np.vstack([drawn.x, drawn.x[node]])
-    force, after = drawn.step(np.zeros_like(drawn.x))
-    assert after.stored == pytest.approx(before.stored, rel=1e-12)
+    pull, after = drawn.step(np.zeros_like(drawn.x))
+    push, touches = evaluated(drawn.state, drawn.contact, drawn.x)
+    assert touches.n_touching == touched.n_touching + 1
+    for now, then in ((after, before), (touches, touched)):
+        assert now.stored == pytest.approx(then.stored, rel=1e-12)
     assert after.dissipated == pytest.approx(0.0, abs=1e-12 * before.stored)
-    np.testing.assert_allclose(force[node], force[half], rtol=1e-12)
+    for force in (pull, push):
+        np.testing.assert_allclose(force[node], force[half], rtol=1e-12)
 
 
 def test_what_a_spring_held_is_dissipated_when_they_part(stuck):

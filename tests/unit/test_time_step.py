@@ -88,20 +88,21 @@ def test_contact_of_nodes_that_the_tool_comes_to_counts_at_once():
     assert step.next(state) == step.bound(state) < 0.8 * free
 
 
-def test_a_split_is_seen_at_once_by_its_cable_on_the_mass_that_is_left():
+def test_a_split_is_seen_at_once_by_its_cables_on_the_mass_that_is_left():
     shell, state = cases.set_up(cases.skewed_flat())
     step = stepper(shell, safety=1.0, evaluate_every=100)
     free = step.next(state)
-    k = state.cable.append_blank()
-    state.cable.ends[k], state.cable.area[k], state.cable.m[k] = (5, 6), 0.2, (0, 1, 0)
+    for ends in ((5, 6), (5, 7)):
+        k = state.cable.append_blank()
+        state.cable.ends[k], state.cable.area[k], state.cable.m[k] = ends, 0.2, (0, 1, 0)
     state.node.mass[5] *= 0.01  # as of a small half
     state.step += 1
     assert step.next(state) == free  # nobody has told
     state.revision += 1
     K = 2 * 18.0 * 0.2 / LAW.onset
     total = shell.frequencies.squared.copy()
-    for node in (5, 6):
-        extra = np.where((state.quads == node).any(axis=1), K / state.node.mass[node], 0.0)
+    for node, held in ((5, 2.0 * K), (6, K), (7, K)):
+        extra = np.where((state.quads == node).any(axis=1), held / state.node.mass[node], 0.0)
         total = np.maximum(total, shell.frequencies.squared + extra)
     assert step.bound(state) == pytest.approx(2.0 / np.sqrt(total.max()), rel=1e-12)
     assert step.next(state) == pytest.approx(step.bound(state), rel=1e-12)
