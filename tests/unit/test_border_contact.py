@@ -8,6 +8,7 @@ import pytest
 from film_and_bar import ON, bar, flat_bar, pushed, round_bar
 from free_strip import cut_strip
 from naive.border_contact import depth_at, forces_on_ends
+from naive.shell import shape
 from notched_strip import cutting
 from shellcut.contact.film_outline import FilmOutline, border_segments
 from shellcut.contact.settings import Contact
@@ -275,9 +276,7 @@ def ends_by_place(state, outline):
     for row in range(state.n_quad):
         n = outline.n_edge[row]
         points = outline.point[row, :n]
-        xi, eta = points.T
-        weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
-        x = 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]).T @ state.node.x[state.quads[row]]
+        x = [shape(*point)[0] @ state.node.x[state.quads[row]] for point in points]
         # Where a crack starts its flanks have not parted, and nothing is touched.
         tied = flank.place[: flank.count][(of_row == row) & parted]
         there = [(abs(p) == 1).all() or np.isin(p, tied).all() for p in points]

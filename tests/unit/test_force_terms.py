@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
+from courses import UNDAMPED
 from naive.booking import book
 from notched_strip import cutting
 from shellcut import ForceTerm, load_checkpoint, save_checkpoint
@@ -109,8 +110,7 @@ def tethered(terms=None, **options):
     mesh = rectangle(4.0, 2.0, size=1.0)
     if terms is None:
         terms = [Tether(7, mesh.nodes[7] + [0.0, 0.0, 0.1], 0.02)]
-    undamped = {"damping_alpha": 0.0, "damping_beta": 0.0}
-    return sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), terms=terms, **undamped | options)
+    return sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), terms=terms, **UNDAMPED | options)
 
 
 def test_a_term_of_ones_own_moves_the_film_and_keeps_the_balance(tmp_path):

@@ -107,13 +107,6 @@ def deformed_roof():
     return mesh, state, freedoms, shell
 
 
-def internal_forces(mesh, state, freedoms, shell):
-    state.node.force_rows[: mesh.n_node] = 0.0
-    shell.add_forces(state)
-    force, director_force = state.node.force, state.node.director_force
-    return -freedoms.gather(force[: mesh.n_node], director_force[: mesh.n_node])
-
-
 @pytest.mark.parametrize("leave_out", [False, True])
 def test_stiffness_is_symmetric_and_its_product_with_a_motion_needs_no_matrix(leave_out):
     mesh, _, freedoms, shell = deformed_roof()  # away from equilibrium
@@ -143,8 +136,12 @@ def test_stiffness_is_the_derivative_of_the_forces():
         for node in mesh.node_set("right"):
             way = np.cross([1.0, 0.0, 0.0], t[node])
             freedoms.basis[node, 0] = way * np.sign(way @ basis[node, 0]) / np.linalg.norm(way)
-        forces.append(internal_forces(mesh, state, freedoms, shell))
-        state.node.x[:], state.node.t[:] = start
+        node = state.node
+        node.force_rows[: mesh.n_node] = 0.0
+        shell.add_forces(state)
+        inner = node.force[: mesh.n_node], node.director_force[: mesh.n_node]
+        forces.append(-freedoms.gather(*inner))
+        node.x[:], node.t[:] = start
         freedoms.update()
     difference = (forces[0] - forces[1]) / (2.0 * step)
     # Central difference: error of order step² beside the stiffness, and round-off / step.

@@ -14,7 +14,6 @@ from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from test_topology import SEQUENCE, prepared
 
-EPS = np.finfo(float).eps
 MESH = rectangle(2.0, 1.0, n_x=2, n_y=1)
 
 
@@ -80,7 +79,7 @@ def test_gravity_nodal_force_and_factor():
     assert state.node.force[:6, 0].tolist() == [0, 3, 0, 0, 3, 0]
     state.time = 0.1
     loads.begin_forces(state)
-    assert state.node.force[1, 0] == pytest.approx(6.0, rel=2 * EPS)
+    assert state.node.force[1, 0] == pytest.approx(6.0, rel=4e-16)
 
 
 def test_edge_traction_is_shared_by_the_ends_of_boundary_edges():

@@ -54,12 +54,7 @@ def pressing(depth=0.02):
         press(sim, to)
     points = term(sim)
     assert points.forces.n_touching == 1
-    return sim, points, s, pressed(points)
-
-
-def pressed(points):
-    """Row of what presses."""
-    return int(np.flatnonzero(points.carriers.pressure)[0])
+    return sim, points, s, int(np.flatnonzero(points.carriers.pressure)[0])
 
 
 def test_a_box_pushes_with_corners_and_edges():

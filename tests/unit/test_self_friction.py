@@ -7,8 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import shellcut as sc
+from courses import UNDAMPED
 from naive.booking import book
 from naive.self_friction import forces_on_sheet, returned, slip_speed
+from naive.shell import shape
 from shellcut.contact.coulomb_friction import CoulombFriction
 from shellcut.mesh.structured import rectangle
 from shellcut.tool.pose import Pose
@@ -76,11 +78,10 @@ def test_forces_are_those_of_virtual_work(case):
         xi, eta = w @ [-1, 1, 1, -1], w @ [-1, -1, 1, 1]
         np.testing.assert_array_equal(quad_before[sheet], quad)
         corners, pressed = drawn.x[quad], carriers.pressure[sheet] * carriers.normal[sheet]
-        one = np.array([-(1 - eta), 1 - eta, 1 + eta, -(1 + eta)]) @ corners
-        two = np.array([-(1 - xi), -(1 + xi), 1 + xi, 1 - xi]) @ corners
+        _, one, two = shape(xi, eta) @ corners
         n = np.cross(one, two) / np.linalg.norm(np.cross(one, two))
         one /= np.linalg.norm(one)
-        over = (drawn.x[node] - _foot(corners, xi, eta)) @ n
+        over = (drawn.x[node] - shape(xi, eta)[0] @ corners) @ n
         slip = slip_speed(moved[node], corners, moved[quad], xi, eta, over)
         # The frame at the new foot, by which the old one differs to second order only.
         u = u_before[sheet] @ np.array([one, np.cross(n, one), n])
@@ -96,11 +97,6 @@ def test_forces_are_those_of_virtual_work(case):
     # Neither a sum nor a moment.
     np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-13 * scale)
     np.testing.assert_allclose(np.cross(drawn.x, force).sum(axis=0), 0.0, atol=1e-11 * scale)
-
-
-def _foot(corners, xi, eta):
-    weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
-    return 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]) @ corners
 
 
 def test_a_piece_drawn_over_another_sticks_and_slips_in_closed_form():
@@ -194,7 +190,7 @@ def lying(pull, push=2e7, **options):
         supports=[sc.Support.clamped(np.arange(sheet.n_node))],
         loads=[sc.Gravity((pull, 0.0, -push))],
         contact=replace(ON, self_friction=MU),
-        **{"damping_alpha": 0.0, "damping_beta": 0.0} | options,
+        **UNDAMPED | options,
     )
     return sim, np.arange(sheet.n_node, mesh.n_node)
 

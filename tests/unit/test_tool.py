@@ -227,17 +227,9 @@ class TestRefusals:
         assert "give vertices, triangles[:, ::-1]" in refusal(first, t[:, ::-1])
 
 
-DEEP = CUT_DEPTH * 0.375
-"""How deep a point is owned on edges of 0.375 mm."""
-
-
-def strip(p, k, edges):
-    return strip_coordinates(tuple(p), k, edges.segments, DEEP)
-
-
 def test_strips_of_a_curved_edge_leave_no_gap():
     # Any point behind a tooth's edge, within its height, belongs to some segment.
-    tool = tooth_ring()
+    tool, deep = tooth_ring(), CUT_DEPTH * 0.375  # of edges of 0.375 mm
     edges = CuttingEdges.of(tool)
     mine = np.flatnonzero(tool.edge_body == 0)
     low, high = tool.vertices[tool.edges[mine[0], 0]], tool.vertices[tool.edges[mine[-1], 1]]
@@ -247,7 +239,8 @@ def test_strips_of_a_curved_edge_leave_no_gap():
         fraction = s * mine.size - int(s * mine.size)
         for depth in (1e-6, 0.1, 0.5, 1.4):
             p = tool.point(int(k), fraction) + depth * tool.edge_back[k]
-            assert any(strip(p, j, edges)[3] for j in mine), (s, depth)
+            found = [strip_coordinates(tuple(p), j, edges.segments, deep)[3] for j in mine]
+            assert any(found), (s, depth)
 
 
 def test_an_edge_point_is_clipped_to_its_segment_and_no_tool_has_none():
