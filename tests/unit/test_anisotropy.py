@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from films import from_zero
+from films import free_film, from_zero
 from shellcut.mesh.structured import rectangle
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -29,9 +29,7 @@ def test_only_the_part_of_md_in_the_sheet_counts_and_none_is_refused():
 
 def notched(mesh, film, *ends, **options):
     """Return a film with a straight notch between two places."""
-    options = {"law": sc.CohesiveLaw()} | options
-    fracture = sc.Fracture(path="free", anisotropy=film)
-    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), fracture=fracture, **options)
+    sim = free_film(mesh, fracture=sc.Fracture(path="free", anisotropy=film), **options)
     sim.notch(*ends)
     return sim
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from films import cut_by, pieces
+from films import cut_by, free_film, pieces
 from shellcut import Fracture, Recorder, StraightMotion, guillotine, opening_test
 from shellcut.checks.row import lies_under
 from shellcut.checks.sweep import Sweep
@@ -279,10 +279,7 @@ CLOSED = {
 @pytest.mark.parametrize("corners", CLOSED.values(), ids=CLOSED)
 def test_a_notch_that_ends_where_it_began_cuts_a_piece_out(corners):
     film = rectangle(10.0, 8.0, size=0.8)
-    law, path = sc.CohesiveLaw(), Fracture(path="free")
-    held = [sc.Support.clamped("left")]
-    material = sc.ShellMaterial.homogeneous()
-    sim = sc.Simulation(film, material, supports=held, law=law, fracture=path)
+    sim = free_film(film, supports=[sc.Support.clamped("left")])
     sim.notch(*((x, y, 0.0) for x, y in [*corners, corners[0]]))
     quads = sim.state.quads
     of_row = pieces(quads)

@@ -5,6 +5,7 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll, moved
+from films import free_film
 from free_strip import path_in
 from naive.crack_path import place_of
 from shellcut.fracture.free_direction import FreeDirection
@@ -17,8 +18,7 @@ SIZE = 0.5
 
 def film_and_path(mesh):
     """Return a simulation without tool, and what finds the paths of its cracks."""
-    law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
-    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
+    sim = free_film(mesh)
     return sim, path_in(sim)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from films import pieces
+from films import free_film, pieces
 from naive.load import pressure_rows_of_part
 from shellcut.fracture.cuts import Cuts
 from shellcut.fracture.quad_polygon import FLANK, along_side, on_side
@@ -143,9 +143,7 @@ def test_corner_forces_of_copies_add_up_to_the_load_on_the_node(load):
 def test_the_parts_of_a_strip_bear_pressure_times_their_area():
     mesh = rectangle(6.0, 3.0, size=0.5)
     loads = [sc.Pressure(0.2, True), sc.EdgeTraction("top", (0.0, 1.0, 0.0))]
-    law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
-    film = sc.ShellMaterial.homogeneous()
-    sim = sc.Simulation(mesh, film, loads=loads, law=law, fracture=fracture)
+    sim = free_film(mesh, loads=loads)
     x, y, _ = mesh.nodes.min(axis=0)
     sim.notch((x + 2.13, y - 0.1, 0.0), (x + 2.87, y + 3.1, 0.0))
     s, n = sim.state, sim.state.node

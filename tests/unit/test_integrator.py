@@ -13,11 +13,9 @@ from shellcut.mitc4.initial_state import initial_state
 
 def test_director_stays_unit_and_spin_tangent_over_random_rotations():
     # Ten directors in the spare rows of the table, each turned 10,000 times by random moments.
-    state, scheme = (
-        initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1)),
-        CentralDifference(damping_alpha=0.0),
-    )
-    node, rng, n, dt, inertia = state.node, np.random.default_rng(11), 10, 1e-7, 3e-10
+    state = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1))
+    node, scheme = state.node, CentralDifference(damping_alpha=0.0)
+    rng, n, dt, inertia = np.random.default_rng(11), 10, 1e-7, 3e-10
     for row in range(16):
         node.weigh(row, 2e-9, inertia)
     node.count = n
