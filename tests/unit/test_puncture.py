@@ -123,11 +123,9 @@ def flat_edge(length):
 
 
 ONE = sc.ShellMaterial.homogeneous(poisson=0.0)
-_SKIN, _CORE = (
-    sc.Layer(sc.Elastic(4000.0, 0.0, 1e-9), 0.015),
-    sc.Layer(sc.Elastic(900.0, 0.0, 1e-9), 0.04),
-)
-THREE = sc.ShellMaterial([_SKIN, _CORE, _SKIN])
+SKIN = sc.Layer(sc.Elastic(4000.0, 0.0, 1e-9), 0.015)
+CORE = sc.Layer(sc.Elastic(900.0, 0.0, 1e-9), 0.04)
+THREE = sc.ShellMaterial([SKIN, CORE, SKIN])
 """Stiff skins on a soft core: 1.5 times as stiff in bending as one layer as stiff in tension."""
 
 
