@@ -11,7 +11,7 @@ from naive.border_contact import depth_at, forces_on_ends
 from naive.shell import shape
 from notched_strip import cutting
 from shellcut.contact.film_outline import FilmOutline, border_segments
-from shellcut.contact.settings import Contact
+from shellcut.contact.settings import STEEPEST, Contact
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.structured import rectangle
 from shellcut.models import opening_test
@@ -137,6 +137,19 @@ def test_what_counts_in_the_step_bounds_the_tangent_of_nodes_and_edges():
             tangent = -((forces[0] - forces[1]) * moved).sum() / (2.0 * eps)
             shares.append(tangent / (k[sim.corners] * (moved**2).sum(axis=1)).sum())
     assert 0.05 < max(shares) < 1.0
+
+
+def test_edges_add_nothing_to_the_step_where_their_nodes_count():
+    sim = one_quad(beside_the_edge(-0.02))
+    evaluated(sim)
+    nodes = sim.corners
+    k = STEEPEST * float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
+    added = term(sim).stiffness(sim.state, {"contact": (nodes, np.full(4, k))})
+    assert added[0].size == 0
+    # Where an end does not count, it has half of each of its two edges: all that a node has.
+    added = term(sim).stiffness(sim.state, {"contact": (nodes[:1], np.full(1, k))})
+    near = dict(zip(*(rows.tolist() for rows in added), strict=True))
+    assert near == pytest.approx({int(nodes[1]): 0.5 * k, int(nodes[3]): 0.5 * k})
 
 
 PATHS = {
