@@ -280,6 +280,19 @@ def test_waiting_misses_nothing():
     np.testing.assert_allclose(waits.state.node.x, looks.state.node.x, atol=1e-10)
 
 
+def test_places_of_a_new_list_keep_their_memory_and_count_at_once():
+    sim = pushed()
+    edges = term(sim)
+    while edges.forces.stored == 0.0 or sim.motion.coordinate(sim.state.time) < 0.05:
+        sim.step()
+    before, searched, stored = edges.tables.table.memory, edges.n_search, edges.forces.stored
+    sim.contact.near._age._known.revision = -1
+    sim.step()
+    assert edges.n_search == searched + 1
+    assert edges.tables.table.memory is not before
+    assert edges.forces.stored == pytest.approx(stored, rel=0.2)
+
+
 def ends_by_place(state, outline):
     """Places of both ends of all open edges, by the rows' polygons; where nodes or points are."""
     found, flank = [], state.flank
