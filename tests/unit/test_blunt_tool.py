@@ -1,7 +1,6 @@
 """A tool without cutting edges: it pushes, and the film tears ahead of it as it likes."""
 
 import numpy as np
-import pytest
 
 import shellcut as sc
 from blunt_tools import BOX_FACES, blunt, box_corners
@@ -20,13 +19,6 @@ LAW = sc.CohesiveLaw(
 
 def bar():
     return blunt(LEANING, BOX_FACES)
-
-
-def test_it_has_no_edges_and_no_flanks():
-    tool = bar()
-    assert (tool.n_edge, tool.n_chain, tool.chains()) == (0, 0, [])
-    assert not tool.flank.any()
-    assert tool.volume()[0] == pytest.approx(2.0 * 2.0 * 8.0)  # round-off
 
 
 def test_the_film_tears_ahead_of_it_and_checks_report_and_preview_do_without_edges(tmp_path):

@@ -8,6 +8,7 @@ import pytest
 from film_and_bar import ON, bar, flat_bar, pushed, round_bar
 from free_strip import cut_strip
 from naive.border_contact import depth_at, forces_on_ends
+from naive.shell import shape
 from notched_strip import cutting
 from shellcut.contact.film_outline import FilmOutline, border_segments
 from shellcut.contact.settings import STEEPEST, Contact
@@ -88,9 +89,6 @@ def random_quads(rng, n):
         s = rng.uniform(0.15, 0.85)
         a, b = middle - s * along, middle + (1.0 - s) * along
         yield quad_with(a, b, [1.0, 0.0, 0.0] + 0.3 * rng.normal(size=3))
-
-
-# ---------------------------------------------------------------- the law
 
 
 def test_forces_and_energy_are_those_of_a_plain_twin():
@@ -220,9 +218,6 @@ def test_an_edge_inside_keeps_its_side_and_does_not_press_across_the_tool():
     assert t.forces.stored == 0.0
 
 
-# ---------------------------------------------------------------- runs
-
-
 @pytest.mark.parametrize("on", [False, True])
 def test_a_rim_pushed_between_nodes_is_felt(on):
     sim = pushed(Contact(film_edges=on))
@@ -307,9 +302,7 @@ def ends_by_place(state, outline):
     for row in range(state.n_quad):
         n = outline.n_edge[row]
         points = outline.point[row, :n]
-        xi, eta = points.T
-        weights = [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta)]
-        x = 0.25 * np.array([*weights, (1 - xi) * (1 + eta)]).T @ state.node.x[state.quads[row]]
+        x = [shape(*point)[0] @ state.node.x[state.quads[row]] for point in points]
         # Where a crack starts its flanks have not parted, and nothing is touched.
         tied = flank.place[: flank.count][(of_row == row) & parted]
         there = [(abs(p) == 1).all() or np.isin(p, tied).all() for p in points]
@@ -338,13 +331,6 @@ def test_open_edges_are_those_of_rim_and_flanks(path):
     taken = np.bincount(ends.ravel(), np.repeat(0.5 * edges.stiffness, 2), n.count)
     np.testing.assert_allclose(edges.left + taken, own, rtol=1e-12)
     assert (np.diff(edges.key) > 0).all()
-
-
-@pytest.mark.parametrize(("on", "present"), [(None, False), (True, True)])
-def test_a_run_has_it_where_it_is_asked_for(on, present):
-    names = [t.name for t in pushed(Contact(friction=0.2, film_edges=on)).terms]
-    own = ["edges", "edge_friction"] if present else []
-    assert names == ["contact", "friction", "points", "point_friction", *own, "joints"]
 
 
 @pytest.mark.parametrize(("on", "present"), [(None, True), (False, False)])

@@ -155,15 +155,13 @@ def test_the_linear_change_of_the_stress_is_its_slope(case, material, place):
 # --- patch recovery: exact for linear fields, never across a crack, against least squares
 
 
-class Field:
+def field(tensor):
     """Stands for the shell: a stress given as a function of the quads' centres."""
 
-    def __init__(self, tensor):
-        self.tensor = tensor
+    def stress(state, quads):
+        return np.array([tensor(*c) for c in state.node.x[state.quads[quads]].mean(axis=1)])
 
-    def stress(self, state, quads):
-        centres = state.node.x[state.quads[quads]].mean(axis=1)
-        return np.array([self.tensor(*c) for c in centres])
+    return SimpleNamespace(stress=stress)
 
 
 def linear(x, y, z=0.0):
@@ -174,7 +172,7 @@ def linear(x, y, z=0.0):
 
 def check_exact(state, nodes, tensor=linear):
     """Recover a field at nodes; return at how many with the polynomial of a neighbour."""
-    stress = recover(state, Field(tensor), nodes)
+    stress = recover(state, field(tensor), nodes)
     for k, n in enumerate(nodes):
         values, vectors = np.linalg.eigh(tensor(*state.node.x[n])[:2, :2])
         assert stress.principal[k] == pytest.approx(values[-1], rel=1e-11), n
@@ -234,8 +232,8 @@ def test_no_sample_from_across_a_crack():
 
 def test_a_single_row_has_nothing_to_borrow_and_takes_the_mean():
     state = initial_state(rectangle(3.0, 1.0, n_x=3, n_y=1))
-    stress = recover(state, Field(linear), np.array([1]))
+    stress = recover(state, field(linear), np.array([1]))
     mean = 0.5 * (linear(0.5, 0.0) + linear(1.5, 0.0))
     assert stress.n_borrowed == 0
     assert stress.principal[0] == pytest.approx(np.linalg.eigvalsh(mean[:2, :2])[-1], rel=1e-13)
-    assert recover(state, Field(linear), np.zeros(0, np.int64)).principal.shape == (0,)
+    assert recover(state, field(linear), np.zeros(0, np.int64)).principal.shape == (0,)

@@ -1,7 +1,5 @@
 """Penalty contact: which face, jumps, balance, the search."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -17,9 +15,7 @@ from shellcut.contact.settings import (
     STEEPEST,
     STIFFEST,
     PenaltyLaw,
-    largest_rebound,
     smoothed,
-    smoothed_integral,
 )
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -443,13 +439,9 @@ def test_what_a_look_remembers_changes_round_off_only(tool):
 # --- the penalty law of the contact, and what it follows
 
 
-def test_the_force_law_is_that_of_the_paper_and_has_its_steepest_slope():
+def test_the_force_law_has_no_kink_and_its_steepest_slope():
     g = np.linspace(0.0, 2.0 * G_M, 20_001)
-    f = np.array([smoothed(v, G_M) for v in g])
-    assert f[::500] == pytest.approx([naive.smoothed(v, G_M) for v in g[::500]], rel=1e-13)
-    area = [smoothed_integral(v, G_M) for v in g[::500]]
-    assert area == pytest.approx([naive.smoothed_integral(v, G_M) for v in g[::500]], rel=1e-13)
-    slope = np.diff(f) / np.diff(g)
+    slope = np.diff([smoothed(v, G_M) for v in g]) / np.diff(g)
     # A jump of the slope would be a jump of one; its steps are below 1e-3.
     assert np.abs(np.diff(slope)).max() < 1e-3
     # Steepest at ¾ g_M: 9 (3/4)² - 8 (3/4)³ = 27/16.
@@ -459,25 +451,6 @@ def test_the_force_law_is_that_of_the_paper_and_has_its_steepest_slope():
 def law(thickness=0.074, young=1678.0, density=1e-9, tool=BLADE, **contact):
     film = ShellMaterial.homogeneous(thickness=thickness, young=young, density=density)
     return PenaltyLaw.of(Contact(**contact), film, tool)
-
-
-@pytest.mark.parametrize(("thickness", "young"), [(0.005, 50.0), (0.3, 1678.0), (1.0, 70000.0)])
-def test_depth_and_step_do_not_depend_on_thickness_and_modulus(thickness, young):
-    # A node of the film, on quads of 0.4 mm, pushed by what tears the film at 1 % of strain.
-    area, length = 0.04, 0.4
-
-    def depth_and_step(of, thickness, young, density):
-        k = of.of_nodes(area)
-        depth = 0.01 * young * thickness * length / k
-        mass = density * thickness * length**2
-        wave = length / math.sqrt(young / density)
-        return depth, math.sqrt(mass / k) / wave
-
-    paper = depth_and_step(law(), 0.074, 1678.0, 1e-9)
-    other = depth_and_step(law(thickness, young, 2.7e-9), thickness, young, 2.7e-9)
-    assert other == pytest.approx(paper, rel=1e-12)
-    assert paper[0] < 2e-3  # mm
-    assert paper[1] > 0.5  # of the time in which a wave crosses a quad
 
 
 def test_penalty_and_smoothing_follow_the_film_and_stay_small_beside_the_tool():
@@ -504,24 +477,6 @@ def test_stiffness_is_bounded_for_the_finest_and_the_coarsest_quads():
     assert law(penalty=2e4).steepest(area) == pytest.approx(STEEPEST * 2e4 * area, rel=1e-13)
 
 
-@pytest.mark.parametrize("put_in", [0.0, 0.2])
-def test_the_largest_rebound_gives_back_what_was_put_in(put_in):
-    before, way, pushed, mass, dt = 3.0, 0.04, 1.5, 2e-3, 0.1
-    f = largest_rebound(put_in + 0.5 * before * way, way, pushed, mass, dt)
-    next_way = way + (pushed - f) * dt**2 / mass
-    assert next_way < 0.0  # it comes out
-    got = put_in + 0.5 * (before + f) * way
-    assert got + 0.5 * f * next_way == pytest.approx(0.0, abs=1e-14)
-    # A spring that has got nothing gives nothing, but may turn a node round: 2 m v / dt.
-    assert largest_rebound(-put_in, -0.1, 0.0, 1e-3, 0.1) == 0.0
-    assert largest_rebound(0.0, 0.2, 0.0, 1e-3, 0.1) == pytest.approx(2e-3 * 2.0 / 0.1)
-
-
-def test_half_thickness_of_plates_is_half_their_thickness():
-    # A plate of 0.2 x 60 x 60 mm, the wedge on one side of it aside: V / A = 0.1 mm but for rims.
-    plate = straight_blade(half_thickness=0.1, length=60.0, height=60.0)
-    assert plate.half_thickness() == pytest.approx(0.1, rel=0.02)
-    # Of several bodies the thinnest; four equal teeth are as thin as one.
-    assert tooth_ring(n_teeth=4).half_thickness() == pytest.approx(
-        tooth_ring(n_teeth=1).half_thickness(), rel=1e-9
-    )
+def test_four_equal_teeth_are_as_thin_as_one():
+    four, one = (tooth_ring(n_teeth=n).half_thickness() for n in (4, 1))
+    assert four == pytest.approx(one, rel=1e-9)

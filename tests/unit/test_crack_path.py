@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from curved_films import Roll
-from films import cut_by, pieces
+from films import cut_by, free_film, pieces
 from shellcut import Fracture, Recorder, StraightMotion, guillotine, opening_test
-from shellcut.checks.row import lies_under, row_of
+from shellcut.checks.row import lies_under
 from shellcut.checks.sweep import Sweep
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import free_cut
@@ -41,9 +40,6 @@ def notched(mesh, tool=None, motion=ALONG, duration=1e-3, notch=2.0, supports=SI
     )
     sim = case.simulation
     return case, sim.cracks.at_tips(sim.mesh.nodes)
-
-
-# ---------------------------------------------------------------- what is asked for
 
 
 @pytest.mark.parametrize(
@@ -95,9 +91,6 @@ def test_start_and_summary_say_which_way_cracks_go(path, tmp_path):
     recorder = Recorder(sim, tmp_path, until=1e-6, name="cut", **options)
     sim.run(1e-6, [recorder])
     assert sc.read(tmp_path).summary["crack_path"] == path
-
-
-# ---------------------------------------------------------------- ready models
 
 
 def test_the_opening_test_follows_edges_where_they_lie_under_the_whole_path():
@@ -170,9 +163,6 @@ def test_no_row_lies_under_a_path_along_a_cut_or_where_nothing_cuts():
         assert lies_under(Sweep.of(mesh, blade(y, length=6.0), ALONG, 5e-4)) is under
 
 
-# ---------------------------------------------------------------- a notch along the path
-
-
 def test_a_notch_along_a_straight_path():
     c, s = np.cos(0.3), np.sin(0.3)
     sharp = straight_blade(length=12.0, height=3.0)
@@ -211,22 +201,6 @@ def test_a_notch_along_an_arc_within_the_film_has_two_ends(on_row):
     # L²/8R of a segment of one edge and the corners that are met, measured 0.05 edges.
     for points in (ends, np.array([cut.reference for cut in sim.state.split_log])):
         np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 7.7, atol=0.1 * h)
-
-
-def test_the_row_of_a_ring_is_its_circle():
-    disc = opening_disc("M1")
-    places = disc.nodes[row_of(Sweep.of(disc, tooth_ring(n_teeth=1), SCREW, 4e-3), 0)]
-    np.testing.assert_allclose(np.hypot(*places[:, :2].T), 9.4, rtol=1e-9)
-    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    np.testing.assert_allclose(steps, 2.0 * 9.4 * np.sin(np.pi / 152), rtol=1e-9)
-
-
-def test_a_notch_on_a_cylinder():
-    mesh = Roll(30.0, 15.0).mesh(rectangle(16.0, 8.0, size=0.8))
-    tool = straight_blade(length=16.0, height=16.0).translated((-0.05, 0.0, 0.0))
-    _, (end,) = notched(mesh, tool)
-    assert 2.0 <= np.hypot(end[0], end[2]) < 2.8
-    assert abs(end[1]) < 0.05 * 0.8  # the plane of the blade
 
 
 @pytest.mark.parametrize("outside", [-1e-4, 2e-4, 9e-4])
@@ -305,10 +279,7 @@ CLOSED = {
 @pytest.mark.parametrize("corners", CLOSED.values(), ids=CLOSED)
 def test_a_notch_that_ends_where_it_began_cuts_a_piece_out(corners):
     film = rectangle(10.0, 8.0, size=0.8)
-    law, path = sc.CohesiveLaw(), Fracture(path="free")
-    held = [sc.Support.clamped("left")]
-    material = sc.ShellMaterial.homogeneous()
-    sim = sc.Simulation(film, material, supports=held, law=law, fracture=path)
+    sim = free_film(film, supports=[sc.Support.clamped("left")])
     sim.notch(*((x, y, 0.0) for x, y in [*corners, corners[0]]))
     quads = sim.state.quads
     of_row = pieces(quads)

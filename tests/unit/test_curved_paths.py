@@ -5,9 +5,9 @@ import pytest
 
 import shellcut as sc
 from curved_films import Roll, moved
+from films import free_film
 from free_strip import path_in
 from naive.crack_path import place_of
-from shellcut.contact.film_outline import first_at_places
 from shellcut.fracture.free_direction import FreeDirection
 from shellcut.fracture.quad_polygon import WHOLE, divide, film_beside
 from shellcut.fracture.tip import Tip
@@ -18,8 +18,7 @@ SIZE = 0.5
 
 def film_and_path(mesh):
     """Return a simulation without tool, and what finds the paths of its cracks."""
-    law, fracture = sc.CohesiveLaw(), sc.Fracture(path="free")
-    sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=law, fracture=fracture)
+    sim = free_film(mesh)
     return sim, path_in(sim)
 
 
@@ -110,9 +109,3 @@ def test_the_film_of_a_sliver_shows_clear_of_its_flank():
         assert abs(off) > 0.499
         assert (off > 0.0) == (part is left)
     assert film_beside(WHOLE) == (0.0, 0.0)
-
-
-def test_contact_sees_a_crossing_once_whichever_way_the_quads_go_round():
-    nodes = np.array([[4, 5, 7, 6], [6, 7, 9, 8], [4, 5, 7, 6], [1, 2, 3, 4], [6, 7, 9, 8]])
-    weight = np.array([[0, 0, 3, 7], [7, 3, 0, 0], [2, 3, 1, 4], [10, 0, 0, 0], [6, 4, 0, 0]])
-    assert first_at_places(nodes, 0.1 * weight).tolist() == [0, 0, 2, 3, 4]

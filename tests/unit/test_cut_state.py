@@ -7,6 +7,7 @@ import shellcut as sc
 from shellcut.fracture.cuts import Cuts
 from shellcut.mesh.structured import rectangle
 from test_cut_loads import random_cut
+from test_topology import totals
 
 
 def film(kind, **material):
@@ -33,26 +34,16 @@ def cut_often(sim, rng):
 
 
 def conserved(sim):
-    """Mass, momentum, angular momentum, kinetic energy, strain energy, sum of forces."""
+    """Mass, momentum, energies, and the power of the film's forces."""
     s = sim.state
     n, c = s.node, s.node.count
-    m, x, v, w = n.mass[:c], n.x[:c], n.velocity_half[:c], n.spin_half[:c]
-    t = n.t[:c]
     n.force_rows[:c] = 0.0
     saved = s.strain.copy(), s.strain_before.copy(), s.strain_forms, s.history.copy()
-    work = sim.shell.add_forces(s)
-    force, director_force = n.force[:c].copy(), n.director_force[:c].copy()
+    strain = sim.shell.add_forces(s).strain_energy
     s.strain[:], s.strain_before[:], s.strain_forms, s.history[:] = saved
-    spin = w - np.einsum("ni,ni->n", w, t)[:, None] * t
-    return {
-        "mass": m.sum(),
-        "inertia": n.inertia[:c].sum(),
-        "momentum": m @ v,
-        "angular": (m[:, None] * np.cross(x, v) + n.inertia[:c, None] * spin).sum(axis=0),
-        "kinetic": 0.5 * m @ (v**2).sum(axis=1) + 0.5 * n.inertia[:c] @ (w**2).sum(axis=1),
-        "strain": work.strain_energy,
-        "power": (force * v).sum() + (director_force * np.cross(w, t)).sum(),
-    }
+    turning = np.cross(n.spin_half[:c], n.t[:c])
+    power = (n.force[:c] * n.velocity_half[:c]).sum() + (n.director_force[:c] * turning).sum()
+    return totals(s) | {"strain": strain, "power": power}
 
 
 @pytest.mark.parametrize(("kind", "material"), [("flat", {}), ("curved", {"points_per_layer": 3})])

@@ -9,7 +9,7 @@ from shellcut import read_tool
 from shellcut.contact.tool_points import tool_points
 from shellcut.tool.edge_bow import EdgeBow
 from shellcut.tool.shapes import tooth_ring
-from teeth import arc, disc, rounded, saw, tool_of, tooth, vee
+from teeth import arc, disc, rounded, tool_of, tooth, vee
 
 
 def tips_of(tool):
@@ -42,12 +42,6 @@ def test_a_tooth_of_which_one_edge_cuts_has_the_same_tip():
     assert any((tip == 0.0).all() for tip in tips_of(both))
 
 
-def test_a_saw_has_a_tip_on_every_tooth_and_none_between():
-    tips = tips_of(tool_of(tooth(saw(30.0, 1.0, 4))))
-    assert len(tips) == 4 + 2
-    np.testing.assert_allclose(np.sort(tips[:, 2])[:4], 0.0, atol=1e-9)
-
-
 @pytest.mark.parametrize("radius", [0.1, 3.0, 40.0])
 @pytest.mark.parametrize("facet", [0.5, 5.0, 15.0])
 def test_an_arc_has_its_radius_however_fine_its_facets(radius, facet):
@@ -65,12 +59,6 @@ def test_a_disc_is_one_arc_without_tips_and_a_polygon_has_corners():
     np.testing.assert_allclose(bow.radius, 4.0, rtol=1e-9)
     assert len(np.unique(bow.arc)) == 1
     assert EdgeBow.of(tool_of(disc(4.0, 6))).tip.sum() == 6
-
-
-def test_a_rounded_nose_is_an_arc():
-    bow = EdgeBow.of(tool_of(tooth(rounded(0.2, 50.0, 10.0))))
-    assert bow.radius.min() == pytest.approx(0.2, rel=1e-9)
-    assert bow.tip.sum() == 2
 
 
 def test_what_curves_in_the_plane_of_the_film_is_straight():

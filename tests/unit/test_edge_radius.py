@@ -17,9 +17,6 @@ LAW = CohesiveLaw()
 FRAME = (np.zeros(3), np.array([0, 0, 1.0]), np.array([0, 1.0, 0]), np.array([-1.0, 0, 0]))
 
 
-# --- the tool ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("radius", [1e-3, 0.05, 0.3])
 def test_the_round_is_the_inscribed_circle_of_the_wedge(radius):
     alpha = np.radians(10.0)
@@ -95,9 +92,6 @@ def test_radii_that_do_not_fit_are_refused(build, said):
         build()
 
 
-# --- the cable ---------------------------------------------------------------------------------
-
-
 def one_cable(radius, *, law=LAW, pose=None, ends=((-1e-6, -0.3, 0.0), (-1e-6, 0.3, 0.0))):
     return met_cable(law, straight_blade(edge_radius=radius, height=12.0), *ends, pose)
 
@@ -137,42 +131,6 @@ def test_the_cable_takes_the_shortest_way_and_its_force_is_the_gradient(ends, ra
             slope = (whole_length(x + moved, radius) - whole_length(x - moved, radius)) / 2e-6
             assert c.force[0, node] @ axis == pytest.approx(-AREA * stress * slope, abs=2e-8)
     np.testing.assert_allclose(result.wrench[0, :3], -c.force[0].sum(axis=0), atol=1e-15)
-
-
-def test_a_very_small_radius_is_a_sharp_edge():
-    forces = []
-    for radius in (0.0, 2e-4):
-        cables, state = one_cable(radius)
-        evaluated(cables, state, *PLACES[1])
-        forces.append(state.cable.force[0].copy())
-    np.testing.assert_allclose(forces[1], forces[0], atol=1e-3 * np.abs(forces[0]).max())
-
-
-@pytest.mark.parametrize("joint", ["adhesion", "free"])
-def test_the_work_counts_where_the_tool_turns(joint):
-    law = CohesiveLaw(joint=joint)
-    cables, state = one_cable(0.2, law=law)
-    state.dt = 1.0
-    begin = sum(cables.energies(state))
-    # It moves on and turns about an axis along its edge, which takes moments of both branches.
-    n, work, by_law, last = 2000, 0.0, 0.0, np.zeros(6)
-    for k in range(1, n + 1):
-        turn, way = 0.6 * k / n, 0.8 * k / n
-        cos, sin = np.cos(turn), np.sin(turn)
-        pose = Pose.of([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]], [way, 0.1 * way, 0.2 * way])
-        cables.add_forces(state, pose)
-        result = cables.forces
-        wrench = result.wrench[0]
-        twist = np.array([0.8, 0.08, 0.16, 0, 0, 0.6]) / n
-        work -= 0.5 * (wrench + last) @ twist
-        last = wrench.copy()
-        by_law += result.work
-        assert abs(result.friction_work) < 1e-9
-    grown = sum(cables.energies(state)) - begin
-    assert grown > 0.3
-    # The trapezoidal rule, second order in steps of 1/2000; the first one begins from nothing.
-    assert by_law == pytest.approx(grown, rel=1e-3)
-    assert work == pytest.approx(grown, rel=1e-3)
 
 
 def test_friction_on_the_arc_is_that_of_a_stretching_belt():

@@ -24,11 +24,8 @@ NAMES = [name for part in (*PUT_IN, *TAKEN_UP) for name in part.entries]
 ENTRIES = {name: 2.0**k for k, name in enumerate(NAMES)}
 
 
-ENERGY = Path(__file__).parents[2] / "docs" / "theory" / "energy.md"
-
-
 def test_the_page_has_every_entry_in_its_part():
-    page = ENERGY.read_text()
+    page = (Path(__file__).parents[2] / "docs" / "theory" / "energy.md").read_text()
     account_of = page.partition("## Where the work went")[2]
     rows = [set(re.findall(r"`(\w+)`", row)) for row in re.findall(r"^\|.*\|$", account_of, re.M)]
     assert sorted(name for row in rows for name in row) == sorted(NAMES)

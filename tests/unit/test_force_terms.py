@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 
 import shellcut as sc
-from naive import cases
+from courses import UNDAMPED
 from naive.booking import book
 from notched_strip import cutting
-from shellcut import ForceTerm, StraightMotion, load_checkpoint, save_checkpoint
+from shellcut import ForceTerm, load_checkpoint, save_checkpoint
 from shellcut.mesh.structured import rectangle
 from shellcut.recording.checkpoint import CheckpointError
-from shellcut.simulation.force_terms import ForceTerms, WorkBook, work_on_tool
-from shellcut.simulation.ledger import Ledger
+from shellcut.simulation.force_terms import WorkBook, work_on_tool
 from shellcut.tool.touch import ON_TOOL, Booking, Touch
 
 
@@ -47,55 +46,6 @@ class Tether(ForceTerm):
 
     def restore(self, _state, _pose, saved):
         self._last = saved["force"], saved["x"]
-
-
-class Spring(Tether):
-    """A spring between a node and the origin of the tool: a term that uses all it may give."""
-
-    booked = Booking("contact_work", 0, -1.0), Booking.of_wrench("contact_work", -1.0)
-
-    def __init__(self, name, node, k):
-        super().__init__(node, np.zeros(3), k)
-        self.name, self.touch = name, Touch.none(1, 1)
-
-    def add_forces(self, state, pose):
-        self.place = pose.translation
-        super().add_forces(state, pose)
-        self.touch.wrench[0, :3] = -self._last[0]
-
-    def energy(self):
-        return 0.5 * float(self._last[0] @ self._last[0]) / self.k
-
-    def stored(self, state):
-        return {"contact_stored": self.energy()}
-
-
-MOTION = StraightMotion((1.0, 0.0, 0.0), speed=100.0)
-
-
-def drive(terms, state, book, steps):
-    """Move the tool, and the node a little."""
-    for step in steps:
-        state.time, state.dt = step * 1e-4, 1e-4 if step else 0.0
-        state.node.x[5] = [0.1 * step, 0.02 * step**2, 0.3]
-        terms.add_forces(state, MOTION.pose(state.time), book)
-
-
-def test_a_new_term_is_in_forces_wrench_work_and_ledger():
-    _, state = cases.set_up(cases.skewed_flat())
-    one, two = Spring("one", 5, 7.0), Spring("two", 6, 3.0)
-    terms, book = ForceTerms([one, two], MOTION), Ledger()
-    before = state.node.force[5].copy()
-    drive(terms, state, book, [0])
-    np.testing.assert_array_equal(state.node.force[5] - before, -one.touch.wrench[0, :3])
-    np.testing.assert_array_equal(terms.wrench, one.touch.wrench + two.touch.wrench)
-    at_start = one.energy() + two.energy()
-    drive(terms, state, book, range(1, 30))
-    # Of linear springs the trapezoidal rule is exact: they store what tool and nodes did.
-    stored = one.energy() + two.energy()
-    assert book.contact_work == pytest.approx(stored - at_start, rel=1e-12)
-    assert abs(book.tool_work) > 1e-3 * abs(stored - at_start)
-    assert terms.stored(state) == {"contact_stored": stored}  # of both: one entry
 
 
 @pytest.mark.parametrize(
@@ -160,8 +110,7 @@ def tethered(terms=None, **options):
     mesh = rectangle(4.0, 2.0, size=1.0)
     if terms is None:
         terms = [Tether(7, mesh.nodes[7] + [0.0, 0.0, 0.1], 0.02)]
-    undamped = {"damping_alpha": 0.0, "damping_beta": 0.0}
-    return sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), terms=terms, **undamped | options)
+    return sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), terms=terms, **UNDAMPED | options)
 
 
 def test_a_term_of_ones_own_moves_the_film_and_keeps_the_balance(tmp_path):
@@ -176,9 +125,6 @@ def test_a_term_of_ones_own_moves_the_film_and_keeps_the_balance(tmp_path):
     save_checkpoint(whole, tmp_path / "c.h5")
     with pytest.raises(CheckpointError, match="terms"):
         load_checkpoint(tethered([]), tmp_path / "c.h5")
-
-
-# ---------------------------------------------------------------- a term that books nothing
 
 
 class Plain(ForceTerm):

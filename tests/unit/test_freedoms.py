@@ -92,19 +92,6 @@ def test_a_director_with_one_axis_left_turns_about_it_on_a_cone():
     assert (turned[:, :2] @ t[:2] < 0.5 * (t[:2] @ t[:2])).all()
 
 
-def test_generalised_forces_work_as_the_nodal_ones():
-    mesh = cylinder(3.0, 4.0, n_around=5, n_along=2, arc_deg=100.0)
-    state, freedoms = freedoms_of(mesh, Support("left", "xyz", "xz"), Support("top", "y", "xz"))
-    t = state.node.t[: mesh.n_node]
-    np.testing.assert_allclose(np.cross(*freedoms.basis.transpose(1, 0, 2)), t, atol=8 * EPS)
-    rng = np.random.default_rng(1)
-    force, director_force = rng.normal(size=(2, mesh.n_node, 3))
-    u = rng.normal(size=5 * mesh.n_node)
-    displacement, spin = freedoms.split(u)
-    work = (force * displacement).sum() + (director_force * np.cross(spin, t)).sum()
-    assert freedoms.gather(force, director_force) @ u == pytest.approx(work, rel=1e-12)
-
-
 def deformed_roof():
     mesh = cylinder(3.0, 4.0, n_around=5, n_along=3, arc_deg=100.0)
     # Left directors turn about y, to which they are normal; those on the right about x, on cones.
@@ -118,13 +105,6 @@ def deformed_roof():
     u = freedoms.fill(rng.uniform(-0.1, 0.1, freedoms.free.size))
     freedoms.move(u)
     return mesh, state, freedoms, shell
-
-
-def internal_forces(mesh, state, freedoms, shell):
-    state.node.force_rows[: mesh.n_node] = 0.0
-    shell.add_forces(state)
-    force, director_force = state.node.force, state.node.director_force
-    return -freedoms.gather(force[: mesh.n_node], director_force[: mesh.n_node])
 
 
 @pytest.mark.parametrize("leave_out", [False, True])
@@ -156,8 +136,12 @@ def test_stiffness_is_the_derivative_of_the_forces():
         for node in mesh.node_set("right"):
             way = np.cross([1.0, 0.0, 0.0], t[node])
             freedoms.basis[node, 0] = way * np.sign(way @ basis[node, 0]) / np.linalg.norm(way)
-        forces.append(internal_forces(mesh, state, freedoms, shell))
-        state.node.x[:], state.node.t[:] = start
+        node = state.node
+        node.force_rows[: mesh.n_node] = 0.0
+        shell.add_forces(state)
+        inner = node.force[: mesh.n_node], node.director_force[: mesh.n_node]
+        forces.append(-freedoms.gather(*inner))
+        node.x[:], node.t[:] = start
         freedoms.update()
     difference = (forces[0] - forces[1]) / (2.0 * step)
     # Central difference: error of order step² beside the stiffness, and round-off / step.
@@ -171,16 +155,3 @@ def carried(basis, before, after):
     cos = np.einsum("ni,ni->n", before, after)[:, None, None]
     along = np.einsum("nki,nbi->nbk", axis, basis)
     return cos * basis + np.cross(axis, basis) + along * axis / (1.0 + cos)
-
-
-def test_move_returns_the_strain_that_is_not_linear():
-    _, state, freedoms, _ = deformed_roof()
-    u = freedoms.fill(np.random.default_rng(4).uniform(-1.0, 1.0, freedoms.free.size))
-    start = state.node.x.copy(), state.node.t.copy()
-    bent = []
-    for size in (1e-3, 2e-3):
-        bent.append(freedoms.move(size * u))
-        state.node.x[:], state.node.t[:] = start
-        freedoms.update()
-    # Second order: four times as much for twice the step, but for a third-order part.
-    assert abs(bent[1] - 4.0 * bent[0]).max() < 0.02 * abs(bent[1]).max()

@@ -174,7 +174,6 @@ def test_a_joint_goes_on_over_vertices_and_stays_at_the_open_end():
             {"slice_ratio": 1.5, "tool": straight_blade(height=4.0)},
             r"slides by 2\.25 mm from -2 to 2 mm .* height of 5\.5 mm",
         ),
-        ({"slice_ratio": np.nan}, "slice_ratio must be finite, got nan"),
         ({"slice_ratio": 1.0, "tool": needle()}, "slice_ratio needs a cutting edge"),
     ],
 )

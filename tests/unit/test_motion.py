@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from shellcut.formats.errors import FileError
 from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
-from shellcut.tool.screw_axis import Axis, kept_axis
 from shellcut.tool.table_motion import TableMotion
 
 DURATION = 6.0e-3
@@ -135,14 +134,6 @@ class TestTable:
         assert off(20) < 6e-5
         assert off(40) < off(20) / 7.0
 
-    def test_poses_ten_degrees_apart_turn_about_their_axis(self):
-        angle, point = np.radians(np.linspace(0.0, 90.0, 10)), np.array([7.0, -3.0, 0.0])
-        vectors = angle[:, None] * [0.0, 0.0, 1.0]
-        turned = Rotation.from_rotvec(vectors)
-        kept = kept_axis(TableMotion(angle, point - turned.apply(point), vectors), angle[-1])
-        assert isinstance(kept, Axis)
-        assert kept.point == pytest.approx(tuple(point), abs=2e-3 * np.hypot(7.0, 3.0))
-
     def test_turned_entries_give_turned_poses(self):
         times, translations, vectors = table()
         Q, turned = Rotation.from_rotvec([0.3, -1.0, 0.5]), Rotation.from_rotvec(vectors)
@@ -163,19 +154,6 @@ class TestTable:
             np.testing.assert_allclose(rotation, exact, atol=1e-12)
             for low, high in zip(motion.twist(time - 1e-9), motion.twist(time), strict=True):
                 np.testing.assert_allclose(low, high, atol=1e-5)
-
-    def test_a_tabulated_screw_is_the_screw(self):
-        screw = ScrewMotion(angular_speed=2.0, pitch=3.0)
-        times = np.linspace(0.0, 4.0, 17)
-        angle = 2.0 * times
-        turns = angle[:, None] * [0.0, 0.0, 1.0]
-        motion = TableMotion(times, -3.0 / (2.0 * np.pi) * turns, turns)
-        for time in (0.0, 1.1, 3.9):
-            for mine, exact in zip(motion.pose(time), screw.pose(time), strict=True):
-                np.testing.assert_allclose(mine, exact, atol=1e-12)
-            assert motion.coordinate(time) == pytest.approx(screw.coordinate(time), rel=1e-12)
-        assert motion.coordinate_unit == "rad"
-        assert TableMotion([0.0, 1.0], np.eye(2, 3)).coordinate_unit == "mm"
 
     def test_end_poses_are_held_at_rest_outside_and_copies_are_kept(self):
         times, translations, vectors = table()

@@ -1,14 +1,11 @@
 """The list of near nodes: complete as long as it lasts, whatever has happened before."""
 
 import numpy as np
-import pytest
-from scipy.spatial.transform import Rotation
 
 from shellcut.contact.near_nodes import NearNodes
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.tool.motion import ScrewMotion
-from shellcut.tool.pose import Pose
 
 LOW = np.array([[0.0, 0.0, -1.0], [3.0, 1.0, -0.5]])
 HIGH = np.array([[1.0, 2.0, 1.0], [4.0, 2.0, 0.5]])
@@ -28,18 +25,6 @@ def inside(x, pose, margin):
     body = ((x - pose[1]) @ pose[0])[:, None]
     found = ((body > LOW - margin) & (body < HIGH + margin)).all(axis=2)
     return np.flatnonzero(found.any(axis=1))
-
-
-@pytest.mark.parametrize("time", [0.0, 0.1])
-def test_all_nodes_within_the_margin_are_listed(time):
-    _, state = sheet()
-    near = NearNodes(LOW, HIGH, MARGIN)
-    pose = MOTION.pose(time)
-    assert near.renew(state, pose)
-    np.testing.assert_array_equal(near.ids, inside(state.node.x[: state.n_node], pose, MARGIN))
-    assert near.ids.size > 50
-    wanted = inside(state.node.x[: state.n_node], pose, 0.5 * MARGIN)
-    np.testing.assert_array_equal(near.within(state, pose), wanted)
 
 
 def test_the_list_holds_every_node_within_half_the_margin_while_it_lasts():
@@ -77,19 +62,3 @@ def test_a_split_and_another_state_are_searched_at_once():
     other.step = 1
     assert near.renew(other, pose)
     assert new not in near.ids
-
-
-@pytest.mark.parametrize("turn", [0.0, 0.7])
-def test_the_list_lasts_as_long_as_the_tool_has_not_gone_half_the_margin(turn):
-    """A tool that goes 4 mm past film at rest, twenty times half the margin, and then stays."""
-    _, state = sheet()
-    near, renewals = NearNodes(LOW, HIGH, MARGIN), []
-    rotation = Rotation.from_rotvec([0.0, 0.0, turn]).as_matrix()
-    state.dt = 1e-6
-    for step in range(3000):
-        state.step, state.time = step, step * state.dt
-        pose = Pose(rotation, np.array([0.002 * min(step, 2000), 0.0, 0.0]))
-        if near.renew(state, pose):
-            renewals.append(step)
-    assert 20 <= len(renewals) <= 30
-    assert renewals[-1] <= 2000

@@ -35,9 +35,6 @@ LAMINATE = ShellMaterial([Layer(EVEN, 0.05), Layer(TOY, 0.03)])
 FILMS = {"film": FILM, "laminate": LAMINATE}
 
 
-# --- reference
-
-
 def damaged(psi, kappa):
     """Return kappa, damage and dissipated density of the toy law, from its formulae."""
     before = max(kappa, TOY.onset)
@@ -119,9 +116,6 @@ def test_forces_and_energies_are_those_of_the_reference_there_and_back(case, fil
             assert shell.history_means(state)["damage [-]"].max() > 0.1
 
 
-# --- closed forms of tension
-
-
 def pulled(strains, film=FILM):
     """One quad pulled along x to Green strains in turn with free sides: S_22 = 0."""
     mesh = Mesh.from_arrays([[0, 0], [2, 0], [2, 1], [0, 1]], [[0, 1, 2, 3]])
@@ -197,9 +191,6 @@ def test_bending_shows_at_the_outermost_points_and_only_they_are_damaged():
     assert mean == pytest.approx(0.5 * weights @ damage, rel=0.05)
 
 
-# --- runs
-
-
 END = 8e-5
 
 
@@ -255,26 +246,6 @@ def test_a_cut_writes_dissipation_and_damage(tmp_path):
     for name, wanted in sim.shell.history_means(sim.state).items():
         np.testing.assert_array_equal(frame.quad_history[name], wanted)
         np.testing.assert_allclose(again.quad_history[name], wanted, rtol=2.0**-12, atol=1e-30)
-
-
-# --- time step
-
-
-def test_the_tangent_of_the_step_carries_the_stress_of_the_law_and_the_elastic_moduli():
-    shell, state, _, _ = pulled([0.01])
-    elastic = ShellMaterial([Layer(Elastic(TOY.young, TOY.poisson, TOY.density), 0.074)])
-    linear, _, _, _ = pulled([0.01], elastic)
-    X, x, t, which = state.node.X[:4], state.node.x[:4], state.node.t[:4], np.array([0])
-    strains = naive.products(x, t) - naive.products(X, np.tile([0.0, 0.0, 1.0], (4, 1)))
-    strained = linear.tangents(state, which)
-    without_stress = linear.tangents(state, which, strains[None])
-    damage = TOY.largest * (1 - TOY.onset / 0.01)
-    wanted = (1 - damage) * strained + damage * without_stress
-    got = shell._tangent_bounds(state.node.x, state.node.t, which)
-    np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-11 * abs(wanted).max())
-
-
-# --- the interface
 
 
 def test_a_law_with_history_is_never_run_as_linear():

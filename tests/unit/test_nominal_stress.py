@@ -87,10 +87,8 @@ def test_hill_across_and_along():
 
 
 def test_a_laminate_is_the_sum_of_its_layers():
-    soft, hard = (
-        sc.Plastic(RIGID, sc.Linear(10.0, 40.0)),
-        sc.Plastic(RIGID, sc.Swift(160.0, 1e-9, 0.25)),
-    )
+    soft = sc.Plastic(RIGID, sc.Linear(10.0, 40.0))
+    hard = sc.Plastic(RIGID, sc.Swift(160.0, 1e-9, 0.25))
     laminate = sc.ShellMaterial([sc.Layer(soft, 0.06), sc.Layer(hard, 0.02)])
     strain = np.linspace(1e-3, 2.0, 200_001)
     p = np.log1p(strain)

@@ -1,12 +1,9 @@
 """Corners and edges of the tool against quads of the film."""
 
-import itertools
-
 import numpy as np
 import pytest
 
 from blunt_tools import ball, box, needle
-from naive.booking import book
 from naive.contact import smoothed
 from shellcut import Contact, ShellMaterial, Simulation, StraightMotion, Support, opening_test
 from shellcut.contact.sheet_contact import felt_nodes
@@ -57,15 +54,7 @@ def pressing(depth=0.02):
         press(sim, to)
     points = term(sim)
     assert points.forces.n_touching == 1
-    return sim, points, s, pressed(points)
-
-
-def pressed(points):
-    """Row of what presses."""
-    return int(np.flatnonzero(points.carriers.pressure)[0])
-
-
-# ---------------------------------------------------------------- which points
+    return sim, points, s, int(np.flatnonzero(points.carriers.pressure)[0])
 
 
 def test_a_box_pushes_with_corners_and_edges():
@@ -111,9 +100,6 @@ def test_points_are_spread_and_share_their_stiffness():
     assert alone.share[tip] > 0.9
 
 
-# ---------------------------------------------------------------- which pairs
-
-
 def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
     sim = opening_test("quick", angle_deg=5.0, duration=4e-4).simulation
     points, s = term(sim), sim.state
@@ -139,9 +125,6 @@ def test_the_list_holds_every_point_in_the_box_of_a_whole_quad():
         sheets = pairs.sheet_of_pair[of_point]
         nodes = [set(s.quads[pairs.row[of_point][sheets == i]].ravel()) for i in np.unique(sheets)]
         assert sum(map(len, nodes)) == len(set().union(*nodes))
-
-
-# ---------------------------------------------------------------- forces
 
 
 def test_waiting_misses_nothing():
@@ -197,6 +180,7 @@ def test_the_force_is_that_of_its_depth_and_shared_by_shape_functions():
     # thin: the force sets in over an eighth of the volume over the surface of its twelve sides.
     slant = np.hypot(2.0, 0.5 * np.cos(np.pi / 12.0))
     surface = 0.75 + 12.0 * 0.5 * np.sin(np.pi / 12.0) * slant
+    assert points.carriers.stiffness[k] == pytest.approx(1e4 * 0.25, rel=1e-12)
     size = 1e4 * 0.25 * smoothed(depth, 0.125 * (0.75 * 2.0 / 3.0) / surface)
     push = size * (tip - foot) / depth
     # Round-off: the foot is found to 1e-12 of the quad, the depth is some micrometres.
@@ -243,59 +227,3 @@ def test_it_counts_in_the_step():
 
 
 # ---------------------------------------------------------------- friction
-
-
-def rubbed(sim, way):
-    """Move the needle on by ``way`` over the film at rest; return the friction's forces, ledger."""
-    s = sim.state
-    rubs = next(t for t in sim.terms if t.name == "point_friction")
-    entries = dict.fromkeys(("friction_work", "friction_dissipated"), 0.0)
-    found = []
-    for before, place in itertools.pairwise([way[0], *way]):
-        s.node.force[:] = 0.0
-        term(sim).add_forces(s, Pose(np.eye(3), place))
-        last = rubs.forces.wrench[0, :3].copy()
-        rubs.add_forces(s, Pose(np.eye(3), place))
-        forces = rubs.forces
-        on_tool = 0.5 * (last + forces.wrench[0, :3]) @ (place - before)
-        book(rubs, entries, on_tool)
-        found.append(forces)
-    return found, entries
-
-
-def test_friction_at_a_point_sticks_slips_and_takes_the_closed_form():
-    mu, depth, along = 0.3, 0.02, 0.4
-    sim = pricked(friction=mu)
-    down = [np.array([0.0, 0.0, -GAP - z]) for z in np.linspace(-0.1, depth, 40)]
-    rubbed(sim, down)
-    # Over two sides of quads, all of one area, then half way back.
-    ways = np.concatenate([np.linspace(0.0, along, 400), np.linspace(along, 0.5 * along, 200)[1:]])
-    found, entries = rubbed(sim, [np.array([x, 0.5 * x, -GAP - depth]) for x in ways])
-    k = pressed(term(sim))
-    pressure = term(sim).carriers.pressure[k]
-    # Half of k of the point that presses: its part of that of a node.
-    share = term(sim).points.share[term(sim).point_of_sheet()[k]]
-    area = sim.state.node.contact_area[term(sim).carriers.node[k]].mean()
-    stiffness = 0.5 * share * sim.contact.law.of_nodes(area)
-    length = np.hypot(1.0, 0.5)
-    pulls = np.array([-f.wrench[0, 0] * length for f in found])  # on the film, along the way
-    stretched = mu * pressure / stiffness
-    # The tool drags the film along; it turns back from a stretched spring.
-    np.testing.assert_allclose(
-        pulls[:400], np.minimum(stiffness * ways[:400] * length, mu * pressure), rtol=1e-9
-    )
-    np.testing.assert_allclose(pulls[-1], -mu * pressure, rtol=1e-9)
-    slip = 1.5 * along * length - 3.0 * stretched
-    # Steps of 1 µm: the two in which it begins to slip.
-    assert entries["friction_dissipated"] == pytest.approx(mu * pressure * slip, rel=1e-3)
-    assert entries["friction_work"] == pytest.approx(
-        entries["friction_dissipated"] + found[-1].stored, rel=1e-9
-    )
-    assert found[-1].n_slipping == 1
-    nodes, weight = term(sim).carriers.node[k], term(sim).carriers.weight[k]
-    arm = weight @ sim.state.node.x[nodes] - [ways[-1], 0.5 * ways[-1], -GAP - depth]
-    force, moment = np.split(found[-1].wrench[0], 2)
-    np.testing.assert_allclose(moment, np.cross(arm, force), rtol=1e-12)
-    (lifted,), lost = rubbed(sim, [np.array([0.0, 0.0, 0.1])])
-    assert lifted.stored == 0.0
-    assert lost["friction_dissipated"] > 0.0

@@ -7,27 +7,11 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.special import k1
 
+import shellcut as sc
 from naive import plastic, pressed_plate
-from shellcut import (
-    CohesiveLaw,
-    Elastic,
-    Fracture,
-    Layer,
-    Linear,
-    Orthotropic,
-    Plastic,
-    ShellMaterial,
-    Simulation,
-    Statics,
-    Swift,
-)
 from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
-from shellcut.loads.loads import NodalForce
-from shellcut.loads.supports import Support
 from shellcut.mesh.structured import disc, rectangle
-from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
-from shellcut.tool.tool import Tool
 
 FAR = 1e4
 OUTER = (9.0 / 16.0) ** (1.0 / 3.0)
@@ -119,12 +103,12 @@ def test_sharp_and_blunt_tips_add_as_squares(rho):
 
 
 def test_a_sharp_tip_needs_a_force_that_no_modulus_changes():
-    law = CohesiveLaw()
+    law = sc.CohesiveLaw()
     for young in (500.0, 70e3):
-        film = ShellMaterial.homogeneous(young=young)
+        film = sc.ShellMaterial.homogeneous(young=young)
         expected = 2.0 * np.pi / CENTRE * 18.0 * 0.074**2 / np.sqrt(12.0 * (1.0 - 0.09))
         assert puncture_force(film, law) == pytest.approx(expected, rel=1e-9)
-    film = ShellMaterial.homogeneous()
+    film = sc.ShellMaterial.homogeneous()
     blunt = 4.0 * np.pi * 5.0 * 0.074 * 18.0**2 / 1678.0
     assert puncture_force(film, law, 5.0) == pytest.approx(np.hypot(0.39046, blunt), rel=1e-4)
 
@@ -133,14 +117,15 @@ def flat_edge(length):
     """A wedge that points down, its edge along y through the origin."""
     blade = straight_blade(height=length)
     turned = blade.vertices @ np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]]).T
-    return Tool.from_triangles(
+    return sc.Tool.from_triangles(
         turned, blade.triangles, edges=blade.edges, flank_angle_deg=blade.flank_angle_deg
     )
 
 
-ONE = ShellMaterial.homogeneous(poisson=0.0)
-_SKIN, _CORE = Layer(Elastic(4000.0, 0.0, 1e-9), 0.015), Layer(Elastic(900.0, 0.0, 1e-9), 0.04)
-THREE = ShellMaterial([_SKIN, _CORE, _SKIN])
+ONE = sc.ShellMaterial.homogeneous(poisson=0.0)
+SKIN = sc.Layer(sc.Elastic(4000.0, 0.0, 1e-9), 0.015)
+CORE = sc.Layer(sc.Elastic(900.0, 0.0, 1e-9), 0.04)
+THREE = sc.ShellMaterial([SKIN, CORE, SKIN])
 """Stiff skins on a soft core: 1.5 times as stiff in bending as one layer as stiff in tension."""
 
 
@@ -164,20 +149,20 @@ def strip_force(depth, film, half):
 
 @pytest.mark.parametrize(("film", "size", "beside"), [(ONE, 0.8, 0.03), (THREE, 0.8, 0.1)])
 def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(film, size, beside):
-    half, width, law = 4.0, 8.0, CohesiveLaw()
+    half, width, law = 4.0, 8.0, sc.CohesiveLaw()
     carried = 18.0 * film.thickness
     mesh = rectangle(2.0 * half, width, size=size)
     middle = 0.5 * (mesh.nodes.min(axis=0) + mesh.nodes.max(axis=0))
     ends = np.flatnonzero(np.isclose(abs(mesh.nodes[:, 0] - middle[0]), half))
     tool = flat_edge(width + 4.0).translated(middle + np.array([beside, 0.0, 0.02]))
-    run = Simulation(
+    run = sc.Simulation(
         mesh,
         film,
-        supports=[Support.clamped(ends)],
+        supports=[sc.Support.clamped(ends)],
         tool=tool,
-        motion=StraightMotion((0.0, 0.0, -1.0), speed=4000.0, ramp=1e-4),
+        motion=sc.StraightMotion((0.0, 0.0, -1.0), speed=4000.0, ramp=1e-4),
         law=law,
-        fracture=Fracture(path="free"),
+        fracture=sc.Fracture(path="free"),
     )
     force, down = [], []
     while not run.state.split_log:
@@ -203,8 +188,8 @@ def tip_on_a_disc(film, force, n_side, inner=0.8):
     n_ring = int(np.ceil(np.log(10.2 / inner) / np.log(ratio)))
     mesh = disc(10.2, n_side=n_side, ring_radii=np.geomspace(10.2, inner, n_ring + 1).tolist())
     (centre,) = mesh.node_set("centre")
-    load = NodalForce([centre], (0.0, 0.0, -force))
-    statics = Statics(mesh, film, supports=[Support.clamped("rim")], loads=[load])
+    load = sc.NodalForce([centre], (0.0, 0.0, -force))
+    statics = sc.Statics(mesh, film, supports=[sc.Support.clamped("rim")], loads=[load])
     end = statics.load_steps(np.geomspace(0.02, 1.0, 8).tolist())[-1]
     at_tip = np.flatnonzero((mesh.quads == centre).any(axis=1))
     return -end.displacement[centre, 2], statics.stress(at_tip, place="nominal").mean(axis=0)
@@ -212,21 +197,21 @@ def tip_on_a_disc(film, force, n_side, inner=0.8):
 
 def test_a_tip_on_a_clamped_disc_is_as_deep_as_the_membrane_has_it():
     # 0.6216 mm by the plate's equations in r, clamped at 10.2 mm.
-    film = ShellMaterial.homogeneous()
-    depth, _ = tip_on_a_disc(film, puncture_force(film, CohesiveLaw()), 4)
+    film = sc.ShellMaterial.homogeneous()
+    depth, _ = tip_on_a_disc(film, puncture_force(film, sc.CohesiveLaw()), 4)
     assert depth == pytest.approx(0.6216, rel=0.015)
 
 
 def test_a_film_with_axes_parts_across_the_stiff_one():
     # Compared on one mesh, of 0.06 mm: half of that adds 6 %, and lengths differ by 19 % here.
-    law, nu, young = CohesiveLaw(), 0.3, 1678.0
+    law, nu, young = sc.CohesiveLaw(), 0.3, 1678.0
     tension = []
     for ratio in (1.0, 4.0):
         one, two = young * np.sqrt(ratio), young / np.sqrt(ratio)
-        axes = Orthotropic(one, two, nu * np.sqrt(ratio), young / (2.0 * (1.0 + nu)), 1e-9)
-        film = ShellMaterial([Layer(axes, 0.074)])
+        axes = sc.Orthotropic(one, two, nu * np.sqrt(ratio), young / (2.0 * (1.0 + nu)), 1e-9)
+        film = sc.ShellMaterial([sc.Layer(axes, 0.074)])
         force = puncture_force(film, law)
-        turned = ShellMaterial([Layer(replace(axes, angle_deg=30.0), 0.074)])
+        turned = sc.ShellMaterial([sc.Layer(replace(axes, angle_deg=30.0), 0.074)])
         assert puncture_force(turned, law) == pytest.approx(force, rel=1e-9)
         assert force == pytest.approx(0.39046 * ratio**-0.25, rel=1e-4)
         _, stress = tip_on_a_disc(film, force, 8, 0.35)
@@ -239,12 +224,12 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
 
 # --- films that yield, beside a plate whose layers follow deformation theory
 
-PE, FOIL = Elastic(200.0, 0.4, 0.92e-9), Elastic(69000.0, 0.33, 2.7e-9)
-SOFT_PE = Plastic(PE, Linear(10.5, 17.0))
-O_TEMPER = Plastic(FOIL, Swift(164.51, 0.0002951, 0.25704))
+PE, FOIL = sc.Elastic(200.0, 0.4, 0.92e-9), sc.Elastic(69000.0, 0.33, 2.7e-9)
+SOFT_PE = sc.Plastic(PE, sc.Linear(10.5, 17.0))
+O_TEMPER = sc.Plastic(FOIL, sc.Swift(164.51, 0.0002951, 0.25704))
 CURVES = {SOFT_PE: plastic.linear(10.5, 17.0), O_TEMPER: plastic.swift(164.51, 0.0002951, 0.25704)}
 CURVES |= {
-    Plastic(Elastic(1678.0, 0.3, 1e-9), Linear(*numbers)): plastic.linear(*numbers)
+    sc.Plastic(sc.Elastic(1678.0, 0.3, 1e-9), sc.Linear(*numbers)): plastic.linear(*numbers)
     for numbers in ((17.0, 170.0), (9.0, 500.0), (9.0, 170.0), (5.0, 400.0))
 }
 """Formulae of the yield stress of those that yield."""
@@ -259,7 +244,7 @@ LAMINATES = [
 
 
 def film_of(layers):
-    return ShellMaterial([Layer(*layer) for layer in layers])
+    return sc.ShellMaterial([sc.Layer(*layer) for layer in layers])
 
 
 def secants(layers, tension):
@@ -283,7 +268,7 @@ def secants(layers, tension):
 
 def plain(material, thickness):
     """A layer of the plate."""
-    if not isinstance(material, Plastic):
+    if not isinstance(material, sc.Plastic):
         return pressed_plate.Layer(material.young, material.poisson, thickness)
     strain = np.append(0.0, np.geomspace(1e-6, 5.0, 200))
     moduli, flow = material.elastic, CURVES[material](strain)
@@ -300,7 +285,7 @@ def over_solved(layers):
     film = film_of(layers)
     distance, tension = film.thickness, 18.0 * film.thickness
     bent = pressed_plate.Section([pressed_plate.Layer(*one) for one in secants(layers, tension)])
-    length, force = np.sqrt(bent.bending() / tension), puncture_force(film, CohesiveLaw())
+    length, force = np.sqrt(bent.bending() / tension), puncture_force(film, sc.CohesiveLaw())
     elastic = pressed_plate.Section([pressed_plate.Layer(1e3, 0.3, length / 3.0)])
     carried = elastic.bending() / length**2
     near, far = (
@@ -313,12 +298,12 @@ def over_solved(layers):
 
 
 def test_the_plate_of_elements_has_the_constant():
-    film = ShellMaterial.homogeneous()
+    film = sc.ShellMaterial.homogeneous()
     section = pressed_plate.Section([pressed_plate.Layer(1678.0, 0.3, 0.074)])
-    length = bending_length(film, CohesiveLaw())
+    length = bending_length(film, sc.CohesiveLaw())
     assert length == pytest.approx(np.sqrt(section.bending() / (18.0 * 0.074)), rel=1e-6)
     force = pressed_plate.Plate(section, length).force_at(18.0 * 0.074, 0.02 * length, 0.05)
-    assert force == pytest.approx(puncture_force(film, CohesiveLaw()), rel=5e-3)
+    assert force == pytest.approx(puncture_force(film, sc.CohesiveLaw()), rel=5e-3)
 
 
 def most_slow(cases):
@@ -328,8 +313,8 @@ def most_slow(cases):
 @pytest.mark.parametrize("layers", most_slow(ONE_LAYER))
 def test_a_layer_that_yields_is_pierced_by_the_same_force(layers):
     elastic = film_of([(layers[0][0].elastic, layers[0][1])])
-    force = puncture_force(elastic, CohesiveLaw())
-    assert puncture_force(film_of(layers), CohesiveLaw()) == pytest.approx(force, rel=1e-9)
+    force = puncture_force(elastic, sc.CohesiveLaw())
+    assert puncture_force(film_of(layers), sc.CohesiveLaw()) == pytest.approx(force, rel=1e-9)
     assert 0.99 < over_solved(layers) < 1.11
 
 
@@ -340,13 +325,13 @@ def test_foil_that_yields_carries_what_it_can(layers):
 
 
 def test_foil_counts_from_nothing_to_elastic():
-    law, half = CohesiveLaw(), (PE, 0.025)
+    law, half = sc.CohesiveLaw(), (PE, 0.025)
     without = puncture_force(film_of([half, half]), law)
     for thickness, off in ((1e-4, 2e-3), (1e-6, 2e-5)):
         thin = puncture_force(film_of([half, (O_TEMPER, thickness), half]), law)
         assert thin == pytest.approx(without, rel=off)
     elastic = puncture_force(film_of([half, (FOIL, 0.007), half]), law)
-    never = Plastic(FOIL, Linear(1e4))
+    never = sc.Plastic(FOIL, sc.Linear(1e4))
     assert puncture_force(film_of([half, (never, 0.007), half]), law) == pytest.approx(elastic)
     # Foil of 7 µm that yields is far from it, and a little below PE alone, which stretches more.
     yields = puncture_force(film_of([half, (O_TEMPER, 0.007), half]), law)
@@ -354,8 +339,8 @@ def test_foil_counts_from_nothing_to_elastic():
 
 
 def test_a_blunt_tip_counts_the_strain_at_the_strength():
-    moduli = Elastic(1678.0, 0.3, 1e-9)
-    law, film = CohesiveLaw(), film_of([(Plastic(moduli, Linear(9.0, 500.0)), 0.074)])
+    moduli = sc.Elastic(1678.0, 0.3, 1e-9)
+    law, film = sc.CohesiveLaw(), film_of([(sc.Plastic(moduli, sc.Linear(9.0, 500.0)), 0.074)])
     # Both ways each layer carries 9 + 500 p = 18, and p is the strain that yielding adds.
     strain = 18.0 * 0.7 / 1678.0 + 0.5 * (18.0 - 9.0) / 500.0
     secant = 18.0 / strain * 0.7

@@ -27,12 +27,9 @@ MATERIALS = {
 }
 
 
-def moved_twice(mesh, material, *, chains=True):
+def moved_twice(mesh, material):
     """Forces and work after two damped steps from rest to a far state."""
     shell = MITC4Shell(mesh, material, damping_beta=2e-7)
-    if not chains:
-        assert shell.blocks.chain.any()
-        shell.blocks.chain[:] = False
     state = initial_state(mesh)
     shell.initialise(state)
     n = mesh.n_node
@@ -53,17 +50,6 @@ def test_at_rest_there_is_no_force_not_even_one_of_round_off(case):
     shell, state = cases.set_up(cases.ALL[case](11, 3), damping_beta=2e-7)
     assert shell.add_forces(state).strain_energy == 0.0
     assert not state.node.force_rows[: state.n_node].any()
-
-
-@pytest.mark.parametrize("material", ["film", "film by points"])
-@pytest.mark.parametrize("case", cases.ALL)
-def test_chains_are_loaded_as_they_would_be_gathered(case, material):
-    mesh = cases.ALL[case](11, 3)
-    chained = moved_twice(mesh, MATERIALS[material])
-    gathered = moved_twice(mesh, MATERIALS[material], chains=False)
-    for (work, force), (wanted_work, wanted) in zip(chained, gathered, strict=True):
-        np.testing.assert_array_equal(force, wanted)
-        assert work == wanted_work
 
 
 @pytest.mark.parametrize("case", cases.ALL)
@@ -180,25 +166,6 @@ def test_the_same_forces_on_other_processors(tmp_path, processor):
     np.testing.assert_allclose(there, here, rtol=0, atol=1e-13 * np.abs(here).max())
 
 
-# --- blocks, strips and threads: every quad has one place, and every part is handed out once
-
-
-@pytest.mark.parametrize("case", cases.ALL)
-def test_every_quad_has_one_place_with_its_nodes(case):
-    mesh = cases.ALL[case](7, 5)
-    flat = np.random.default_rng(1).random(mesh.n_quad) < 0.6
-    blocks = build_blocks(mesh.nodes, mesh.quads, flat)
-    places = blocks.quad.ravel()[blocks.filled.ravel()]
-    assert sorted(places.tolist()) == list(range(mesh.n_quad))
-    block, lane = np.divmod(blocks.slot, 8)
-    np.testing.assert_array_equal(blocks.quad[block, lane], np.arange(mesh.n_quad))
-    np.testing.assert_array_equal(blocks.corner[block, :, lane], mesh.quads)
-    # Flat quads stand first, and each kind in blocks of its own.
-    assert ((block < blocks.n_flat) == flat).all()
-    # Where there is none the nodes are still those of some quad.
-    np.testing.assert_array_equal(blocks.corner.transpose(0, 2, 1), mesh.quads[blocks.quad])
-
-
 @pytest.mark.parametrize(
     "mesh",
     [
@@ -241,18 +208,6 @@ class InPython(BoundOnce):
 
     def __init__(self, function):
         self.code = function
-
-
-@pytest.mark.parametrize("threads", [1, 3])
-def test_every_part_is_done_once(threads):
-    done = np.zeros(threads, int)
-
-    def part(k, count, by):
-        assert count == threads
-        done[k] += by
-
-    Workers(10, threads).run(InPython(part), 2)
-    assert done.tolist() == [2] * threads
 
 
 def test_an_error_of_any_part_reaches_the_caller():

@@ -10,10 +10,9 @@ import shellcut as sc
 from naive import cases
 from shellcut import Elastic, Layer, Mesh, ShellMaterial
 from shellcut.mesh.structured import opening_disc, rectangle
-from shellcut.mitc4.frequency import bound_largest_eigenvalues, growth_rates
+from shellcut.mitc4.frequency import bound_largest_eigenvalues
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.mitc4.stretch_since import StretchSince
 
 
 def state_of(mesh, x, t):
@@ -108,12 +107,6 @@ def test_bounds_hold_for_an_unsymmetric_laminate():
         assert (shell.frequencies.squared >= exact(shell, state)).all()
 
 
-def test_growth_rates_of_an_isotropic_film():
-    E, nu = 1678.0, 0.3
-    ratio = (E / (1 - nu)) / (0.5 * (E / (1 - nu**2) + E / (2 * (1 + nu))))
-    assert growth_rates(cases.FILM) == pytest.approx((1 + 0.5 * ratio, np.sqrt(ratio)), rel=1e-12)
-
-
 @pytest.mark.parametrize("least", [0.0, -0.5, -30.0])
 def test_bound_of_a_matrix_with_negative_eigenvalues(least):
     # Where the least outweighs the largest the power iteration ends there: the bound is then by
@@ -127,34 +120,6 @@ def test_bound_of_a_matrix_with_negative_eigenvalues(least):
     bound_largest_eigenvalues(tangent=K[None].copy(), mass=one, inertia=one, squared=squared)
     assert squared[0] >= 1.0
     assert squared[0] <= (1.0021 if least > -1.0 else np.abs(K).sum(axis=1).max() * (1 + 1e-12))
-
-
-def axes_of(state):
-    """Return the two axes of each quad at its centre, in its plane."""
-    signs = np.array([(-1, 1, 1, -1), (-1, -1, 1, 1)])
-    return [np.linalg.qr((signs @ corners).T)[1] for corners in state.node.x[state.quads]]
-
-
-@pytest.mark.parametrize("name", cases.ALL)
-def test_growth_is_by_the_largest_stretch_of_a_centre(name):
-    _, state = cases.set_up(cases.ALL[name]())
-    squared = np.random.default_rng(3).uniform(1.0, 2.0, state.n_quad)
-    since = StretchSince(1.5)
-    assert since.growth(state) == 1.0  # nothing has been taken yet
-    since.take(state, squared)
-    assert since.growth(state) == pytest.approx(1.0, abs=1e-12)
-    before = axes_of(state)
-    cases.deform(state, stretch=0.05, tilt=0.0)
-    change = np.array(axes_of(state)) @ np.linalg.inv(before)
-    stretch = np.linalg.svd(change, compute_uv=False)[:, 0]
-    grown = (squared * (1.0 + 3.0 * np.maximum(stretch - 1.0, 0.0))).max() / squared.max()
-    assert since.growth(state) == pytest.approx(grown, rel=1e-12)
-    # A split changes masses, not what has been stretched since.
-    since.follow(state, 2.0 * squared)
-    assert since.growth(state) == pytest.approx(grown, rel=1e-12)
-    again = StretchSince(1.5)
-    again.restore(since.saved())
-    assert again.growth(state) == since.growth(state)
 
 
 def test_a_film_that_is_drawn_out_after_a_long_rest_stays_stable():

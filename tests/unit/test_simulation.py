@@ -10,6 +10,7 @@ import pytest
 
 import notched_strip
 import shellcut as sc
+from courses import UNDAMPED
 from shellcut.mesh.structured import rectangle
 from shellcut.numerics.trigger import Trigger
 from shellcut.simulation.instability import UnstableStep
@@ -168,7 +169,7 @@ def test_a_film_that_spins_as_a_rigid_body_takes_its_directors_along(spin, bend)
     mesh, spin = bent_strip(bend), np.array(spin, float)
     arm = mesh.nodes - mesh.nodes.mean(axis=0)
     velocity = np.array([50.0, -20.0, 70.0]) + np.cross(spin, arm)
-    sim = sc.Simulation(mesh, FILM, velocity=velocity, damping_alpha=0.0, damping_beta=0.0)
+    sim = sc.Simulation(mesh, FILM, velocity=velocity, **UNDAMPED)
     n, node, most = sim.state.node, slice(0, mesh.n_node), 0.0
 
     def momentum(x, v, w):

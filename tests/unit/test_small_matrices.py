@@ -5,9 +5,7 @@ import functools
 import numpy as np
 import pytest
 
-from from_python import from_python
 from shellcut.arrays import angles, norm, product, unit
-from shellcut.numerics import vec3
 from shellcut.numerics.small_matrices import (
     inverse,
     least_squares,
@@ -95,15 +93,3 @@ def test_eigenvectors(matrix):
     np.testing.assert_allclose(values, np.linalg.eigvalsh(matrix), rtol=0, atol=round_off)
     np.testing.assert_allclose(vectors.T @ vectors, np.eye(len(matrix)), rtol=0, atol=2e-15)
     np.testing.assert_allclose(matrix @ vectors, vectors * values, rtol=0, atol=2 * round_off)
-
-
-@pytest.mark.parametrize("along", [0.0, 0.7])
-def test_rotation_of_the_director_is_cayleys(along):
-    a, b = RANDOM.uniform(-1, 1, (2, 3))
-    t = a / np.linalg.norm(a)
-    spin = np.cross(t, b) + along * t
-    skew = 0.5 * np.cross(np.eye(3), spin)
-    cayley = np.linalg.solve(np.eye(3) - skew, np.eye(3) + skew)
-    turned = from_python(vec3.rotate_director)(tuple(t), tuple(spin))
-    # Round-off of a 3 x 3 solution.
-    np.testing.assert_allclose(turned, cayley @ t, atol=1e-15)

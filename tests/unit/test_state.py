@@ -1,40 +1,14 @@
 """Tables that grow, and the state of a mesh at rest."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
-from naive import cases
 from shellcut import StraightMotion, Support
 from shellcut.frame import Frame
 from shellcut.mesh.structured import rectangle
-from shellcut.mitc4.initial_state import initial_state, quads_of_nodes
+from shellcut.mitc4.initial_state import initial_state
 from shellcut.models import free_cut
 from shellcut.tool.shapes import straight_blade
-
-
-def test_rows_are_appended_and_the_old_ones_survive_growth():
-    node = initial_state(rectangle(1.0, 1.0, n_x=1, n_y=1)).node
-    capacity = len(node.x)
-    node.x[3], node.origin[3], node.support[3, 4], node.contact_side[3] = (1, 2, 3), 7, True, -1
-    for k in range(capacity):  # far past the reserve
-        assert node.append_copy(3) == 4 + k
-    assert node.count == 4 + capacity
-    for row in (3, 4, node.count - 1):
-        assert node.x[row].tolist() == [1, 2, 3]
-        assert node.origin[row] == 7
-        assert node.support[row].tolist() == [False] * 4 + [True, False]
-        assert node.contact_side[row] == -1
-    arrays = [getattr(node, f.name) for f in fields(node) if f.name != "count"]
-    (length,) = set(map(len, arrays))
-    assert length >= node.count
-    for array in arrays:
-        assert array.flags.c_contiguous or array.flags.f_contiguous
-        assert array.dtype in (np.float64, np.int64, np.int32, np.bool_, np.int8)
-    # What the kernels read by lanes stands one column after the other.
-    for array in (node.x, node.t, node.velocity_half, node.spin_half, node.push):
-        assert array.flags.f_contiguous
 
 
 def test_initial_state_is_the_mesh_at_rest():
@@ -55,15 +29,6 @@ def test_initial_state_is_the_mesh_at_rest():
     assert mesh.quads[0, 0] == 0
     assert (state.time, state.step, state.revision, state.crack_length) == (0.0, 0, 0, 0.0)
     assert state.n_cable == 0
-
-
-def test_quads_of_nodes_by_brute_force():
-    quads = cases.warped(4, 3).quads
-    table, count = quads_of_nodes(quads, 25)
-    for node in range(25):
-        mine = [e for e in range(len(quads)) if node in quads[e]]
-        assert table[node, : count[node]].tolist() == mine
-        assert not table[node, count[node] :].any()
 
 
 def test_a_film_of_one_quad_is_cut():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from courses import UNDAMPED
 from shellcut import Gravity, Mesh, Pressure, ShellMaterial, Simulation, Statics, Support
 from shellcut.loads.symmetry_plane import put_directors_into_planes
 from shellcut.mesh.structured import rectangle
@@ -11,18 +12,14 @@ FILM = ShellMaterial.homogeneous(young=100.0, thickness=0.3)
 N = 4
 
 
-def dome(x, y):
-    """Nodes of a curved surface, symmetric in x = 0 and in y = 0."""
-    return np.stack([x, y, 8.0 - 0.06 * x**2 - 0.04 * y**2 - 0.002 * (x * y) ** 2], axis=-1)
-
-
 def patch(x, y):
-    """Quads over a grid, directors left to the mesh, sides as node sets."""
+    """A dome, symmetric in x = 0 and y = 0, directors left to the mesh, sides as node sets."""
     x, y = np.meshgrid(x, y, indexing="ij")
+    nodes = np.stack([x, y, 8.0 - 0.06 * x**2 - 0.04 * y**2 - 0.002 * (x * y) ** 2], axis=-1)
     ids = np.arange(x.size).reshape(x.shape)
     quads = np.stack([ids[:-1, :-1], ids[1:, :-1], ids[1:, 1:], ids[:-1, 1:]], axis=-1)
     sides = {"x0": ids[0], "x1": ids[-1], "y0": ids[:, 0], "y1": ids[:, -1]}
-    return Mesh.from_arrays(dome(x, y).reshape(-1, 3), quads.reshape(-1, 4), node_sets=sides)
+    return Mesh.from_arrays(nodes.reshape(-1, 3), quads.reshape(-1, 4), node_sets=sides)
 
 
 def graded(n):
@@ -147,9 +144,7 @@ def test_a_leaning_director_swings_on_its_cone_for_long():
     velocity = np.zeros((LEANING.n_node, 3))
     inner = LEANING.nodes_where(lambda x, _y, _z: (x > 0.5) & (x < 6.5))
     velocity[inner, 2] = 1e4
-    sim = Simulation(
-        LEANING, FILM, supports=supports, velocity=velocity, damping_alpha=0.0, damping_beta=0.0
-    )
+    sim = Simulation(LEANING, FILM, supports=supports, velocity=velocity, **UNDAMPED)
     t, T = sim.state.node.t, sim.mesh.directors
     on_cone, in_plane = (sim.mesh.node_set(side) for side in ("x0", "x1"))
     first, largest = sim.ledger.initial, 0.0

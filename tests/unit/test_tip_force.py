@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import shellcut as sc
-from films import from_zero, shaken
+from films import free_film, from_zero, shaken
 from free_strip import notched_sheet, path_in, segment_ahead
 from naive import cases
 from naive.shell import shape
@@ -177,13 +177,12 @@ def test_film_that_has_not_flowed_slides_to_film_that_has():
 
 def notched(length, notch, beside=0.0, film=FILM, loads=()):
     """A strip 4 mm high with clamped long sides, notched ``beside`` its middle line."""
-    sim = sc.Simulation(
+    sim = free_film(
         from_zero(rectangle(length, 4.0, size=0.25)),
-        film,
+        material=film,
         supports=[sc.Support.clamped("bottom"), sc.Support.clamped("top")],
         loads=loads,
         law=sc.CohesiveLaw(strength=1e3),
-        fracture=sc.Fracture(path="free"),
     )
     sim.notch((-1.0, beside, 0.0), (notch, beside, 0.0))
     return sim
@@ -274,9 +273,7 @@ def pressed_strip(load, beside=0.0):
 
 
 def test_a_crack_takes_its_own_flanks_along_round_a_bend_and_no_other():
-    sim = sc.Simulation(
-        uneven_mesh(), FILM, law=sc.CohesiveLaw(strength=1e3), fracture=sc.Fracture(path="free")
-    )
+    sim = free_film(uneven_mesh(), material=FILM, law=sc.CohesiveLaw(strength=1e3))
     low, left = sim.mesh.nodes[:, 1].min(), sim.mesh.nodes[:, 0].min()
     way = [(left - 1.0, low + 2.9), (left + 2.6, low + 2.9), (left + 3.4, low + 3.9)]
     sim.notch(*((*point, 0.0) for point in way))

@@ -6,7 +6,7 @@ import pytest
 from naive import cases
 from shellcut.cables.cohesive_law import CohesiveLaw
 from shellcut.fracture.cuts import Cuts
-from shellcut.fracture.open_edges import boundary_edges, crack_edges, crack_tips
+from shellcut.fracture.open_edges import crack_edges, crack_tips
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 
@@ -29,15 +29,11 @@ SEQUENCE = [
 KINDS = [f"{k}-{kind}" for k, (kind, *_) in enumerate(SEQUENCE)]
 
 
-def warped_sheet():
+def prepared():
     mesh = cases.skewed_flat(6, 4, seed=5, amount=0.12)
     nodes = mesh.nodes.copy()
     nodes[:, 2] = 0.1 * np.sin(nodes[:, 0]) * np.cos(0.7 * nodes[:, 1])
-    return cases.moved_mesh(mesh, nodes)
-
-
-def prepared():
-    mesh = warped_sheet()
+    mesh = cases.moved_mesh(mesh, nodes)
     shell, state = cases.set_up(mesh)
     cases.deform(state, stretch=0.03)
     rng = np.random.default_rng(7)
@@ -59,7 +55,7 @@ def broken(mesh, shell, state, n_side):
     return cuts
 
 
-def totals(shell, state):
+def totals(state):
     n = state.node
     rows = slice(n.count)
     m, j = n.mass[rows, None], n.inertia[rows, None]
@@ -98,12 +94,12 @@ def test_a_broken_side_keeps_mass_momentum_energy_and_cohesive_area(k):
     mesh, shell, state = prepared()
     cuts = broken(mesh, shell, state, k)
     _, side, parts = SEQUENCE[k]
-    before, strain = totals(shell, state), cases.forces_of(shell, state)[0]
+    before, strain = totals(state), cases.forces_of(shell, state)[0]
     strains, broken_length = state.strain.copy(), state.crack_length
     n_cable, n_node = state.n_cable, state.n_node
     pushed = state.node.contact_force[:n_node] / state.node.mass[:n_node, None]
     cases.break_side(cuts, shell, state, *side)
-    after = totals(shell, state)
+    after = totals(state)
     for name, value in before.items():
         scale = np.abs(value).max()
         np.testing.assert_allclose(after[name], value, rtol=0, atol=1e-12 * scale, err_msg=name)
@@ -145,30 +141,17 @@ def test_a_broken_side_keeps_mass_momentum_energy_and_cohesive_area(k):
         assert (record.node, record.twin) == (-1, -1)
 
 
-def test_equilibrium_start_takes_over_what_the_node_carried():
-    force = np.array([0.3, 0.4, 0.5])
-    for exactly in (True, False):
-        mesh, shell, state = prepared()
-        cuts = broken(mesh, shell, state, 1)
-        state.time = 0.25
-        cut = cases.break_side(cuts, shell, state, 17, 18)
-        cuts.hand_over(state, cut, [force], FIBRES, exactly=exactly)
-        c, new = state.cable, slice(FIBRES, 2 * FIBRES)
-        pull = LAW.strength * c.area[new, None] * c.m[new]
-        at_start = 1.0 - c.share[new]
-        assert (c.birth[new] == 0.25).all()
-        assert (c.traction[new] == LAW.strength).all()
-        if not exactly:
-            jump = np.linalg.norm(force - at_start @ pull)
-            assert state.split_log[-1].force_jump == pytest.approx(jump, rel=1e-14)
-            assert not c.start_force[new].any()
-            continue
-        begins = c.start_force[new] + pull
-        np.testing.assert_allclose(at_start @ begins, force, atol=1e-14)
-        # All fibres alike: the other end is closed and the next tip.
-        alike = np.broadcast_to(c.start_force[FIBRES], (FIBRES, 3))
-        np.testing.assert_allclose(c.start_force[new], alike, atol=1e-14)
-        assert state.split_log[-1].force_jump == 0.0
+def test_what_the_cables_do_not_take_over_from_the_node_is_told():
+    # With the equilibrium start they take all of it: tests/verification/test_uniform_tension_split.
+    mesh, shell, state = prepared()
+    cuts, force = broken(mesh, shell, state, 1), np.array([0.3, 0.4, 0.5])
+    cut = cases.break_side(cuts, shell, state, 17, 18)
+    cuts.hand_over(state, cut, [force], FIBRES, exactly=False)
+    c, new = state.cable, slice(FIBRES, 2 * FIBRES)
+    pull = LAW.strength * c.area[new, None] * c.m[new]
+    jump = np.linalg.norm(force - (1.0 - c.share[new]) @ pull)
+    assert state.split_log[-1].force_jump == pytest.approx(jump, rel=1e-14)
+    assert not c.start_force[new].any()
 
 
 def test_many_splits_outgrow_the_reserve():
@@ -213,50 +196,12 @@ def test_the_shell_follows_splits_and_other_states_by_itself(read):
         )
 
 
-# --- rims, flanks of cracks along sides, and where these end
-
-
-# Six by four squares; node j * 7 + i is the i-th of row j.
-MESH = rectangle(6.0, 4.0, n_x=6, n_y=4)
-
-
-def flanks(state):
-    return crack_edges(state.quads, state.node.origin[: state.n_node])
-
-
-def test_whole_sheet_has_no_tip_and_no_open_edge():
-    state = initial_state(cases.warped(5, 4))
-    assert crack_tips(state) == {}
-    assert not flanks(state).size
-
-
-def test_boundary_edges_run_around_the_sheet():
-    edges = boundary_edges(initial_state(MESH))
-    assert len(edges) == 20
-    for i, j in edges:
-        # In the direction of their quad: the sheet lies to the left.
-        along = MESH.nodes[j] - MESH.nodes[i]
-        inward = np.cross([0, 0, 1], along)
-        middle = 0.5 * (MESH.nodes[i] + MESH.nodes[j]) - [3, 0, 0]
-        assert inward @ middle < 0
-
-
-def test_a_notch_has_one_tip_and_pairs_of_flanks():
-    state = initial_state(MESH.cut([14, 15, 16, 17]))
-    ((node, far),) = crack_tips(state).items()
-    assert (node, state.node.origin[far]) == (17, 16)
-    copies = flanks(state)
-    edges = state.node.origin[copies]
-    np.testing.assert_array_equal(edges[:, 0], [[14, 15], [15, 16], [16, 17]])
-    np.testing.assert_array_equal(edges[:, 1], edges[:, 0])
-    assert (copies[:, 0] != copies[:, 1]).any(axis=1).all()
-    assert (copies[-1, :, 1] == 17).all()
-
-
 def test_at_a_bridge_one_of_the_cracks_that_arrive_is_told():
-    # Cracks from both sides have met at node 17, which alone still holds.
-    state = cases.welded(initial_state(MESH.cut(list(range(14, 21)))), 17)
+    # Cracks from both sides have met at node 17, the fourth of a row of seven, which still holds.
+    mesh = rectangle(6.0, 4.0, n_x=6, n_y=4).cut(list(range(14, 21)))
+    state = cases.welded(initial_state(mesh), 17)
     ((node, far),) = crack_tips(state).items()
+    origin = state.node.origin[: state.n_node]
     assert node == 17
-    assert state.node.origin[far] in (16, 18)
-    assert (flanks(state) == 17).any(axis=2).all(axis=1).sum() == 2
+    assert origin[far] in (16, 18)
+    assert (crack_edges(state.quads, origin) == 17).any(axis=2).all(axis=1).sum() == 2

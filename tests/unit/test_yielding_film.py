@@ -110,9 +110,6 @@ def test_a_turn_in_mid_run_changes_nothing():
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-11 * abs(one).max())
 
 
-# --- axes
-
-
 def test_axes_follow_the_film_whatever_the_mesh():
     """A drawn film: the same forces by any order of a quad's corners, turned with the film.
 
@@ -163,9 +160,6 @@ def test_a_direction_that_is_none_is_refused():
         sc.ShellMaterial([sc.Layer(DRAWN, 0.05)], direction=(0.0, 0.0, 0.0))
 
 
-# --- tangents and the step
-
-
 @pytest.mark.parametrize("squeeze", [0.6, 1.0, 2.0])
 def test_the_step_is_bounded_by_the_film_as_it_is(squeeze):
     """A squeezed film is stiffer than its moduli on the reference say, a stretched one softer."""
@@ -206,9 +200,6 @@ def test_a_drawn_film_with_damping_stays_at_rest():
     assert max(largest[200:]) < 0.1 * largest[0]
 
 
-# --- statics
-
-
 def test_statics_of_a_strip_is_the_hardening_and_converges_quadratically():
     mesh, stress = rectangle(4.0, 2.0, n_x=4, n_y=2), 20.0  # nominal
     supports = [
@@ -237,9 +228,6 @@ def test_statics_refuses_a_rate():
     film = sc.ShellMaterial([sc.Layer(sc.Plastic(FILM, sc.Linear(15.0), rate=rate), H)])
     with pytest.raises(ValueError, match="statics must have layers whose stress does not depend"):
         sc.Statics(rectangle(1.0, 1.0, n_x=1, n_y=1), film)
-
-
-# --- runs
 
 
 def test_a_quad_folded_flat_stops_the_run_by_name():

@@ -29,9 +29,6 @@ KINDS = {
 """Materials, and the formulae of their yield stress."""
 
 
-# --- logarithmic strain
-
-
 @nb.njit
 def _of_one(E):
     e, transform = log_strain.logarithmic_strain((E[0], E[1], E[2]))
@@ -140,9 +137,6 @@ def test_a_film_folded_flat_gives_numbers():
     assert np.isfinite(MaterialPoint(KINDS["Voce"][0]).pull(np.log(4.0)).stress).all()  # 300 %
 
 
-# --- plain twin
-
-
 FORMULAE = [
     *((sc.Linear(*n), naive.linear(*n)) for n in ((20.0,), (20.0, 50.0), (1e-3, 1e5))),
     *(
@@ -225,35 +219,29 @@ def test_work_is_what_is_stored_and_dissipated(material, _):
     assert states[-1].dissipated > 0.5 * work
 
 
-# --- closed forms
+MODES = {  # strain, its stress; equivalent stress and strain over these; modulus
+    "uniaxial": (None, 0, 1.0, 1.0, E),
+    "equibiaxial": ([1.0, 1.0, 0.0], 0, 1.0, 2.0, E / (1.0 - NU)),
+    "shear": ([0.0, 0.0, 2.0], 2, np.sqrt(3.0), 2.0 / np.sqrt(3.0), E / (1.0 + NU)),
+}
 
 
 @pytest.mark.parametrize("kind", ["Voce", "table"])
-@pytest.mark.parametrize("mode", ["uniaxial", "equibiaxial", "shear"])
+@pytest.mark.parametrize("mode", MODES)
 def test_monotonic_curves_are_the_hardening_itself(kind, mode):
     """To 100 % of logarithmic strain; the stress is σ_y at p = ε - σ/E exactly."""
     material, formula = KINDS[kind]
+    way, k, of_stress, of_strain, modulus = MODES[mode]
     point = MaterialPoint(material)
     for strain in (0.05, 0.3, 1.0):
-        if mode == "uniaxial":
-            state = point.pull(strain)
-            stress = state.stress[0]
-            plastic = strain - stress / E
-            thinner = np.exp((1 - 2 * NU) * stress / E - strain - state.strain[1])
-        elif mode == "equibiaxial":
-            state = point.strain_to([strain, strain, 0.0])
-            stress = state.stress[0]
-            plastic = 2 * (strain - (1 - NU) * stress / E)
-            thinner = np.exp(-2 * NU * stress / E - plastic)
-        else:
-            state = point.strain_to([0.0, 0.0, 2 * strain])
-            stress = np.sqrt(3.0) * state.stress[2]
-            plastic = 2.0 / np.sqrt(3.0) * (strain - state.stress[2] * (1 + NU) / E)
-            thinner = 1.0
-        p = state.history["equivalent plastic strain [-]"]
+        state = point.strain_to(strain * np.array(way)) if way else point.pull(strain)
+        stress, p = of_stress * state.stress[k], state.history["equivalent plastic strain [-]"]
         assert stress == pytest.approx(float(material.hardening.stress(p)), rel=1e-8)
         assert stress == pytest.approx(formula(p), rel=ACCURACY)
-        assert p == pytest.approx(plastic, rel=1e-8)
+        assert p == pytest.approx(of_strain * (strain - state.stress[k] / modulus), rel=1e-8)
+        # What flows keeps its volume.
+        elastic = (1.0 - 2.0 * NU) / E * state.stress[:2].sum()
+        thinner = np.exp(elastic - state.strain[:2].sum())
         assert state.thickness_stretch == pytest.approx(thinner, rel=1e-8)
 
 
@@ -299,9 +287,6 @@ def test_a_trial_however_little_beyond_the_yield_stress_flows_at_its_rate(factor
     assert (again.dissipated, again.history) == (state.dissipated, state.history)
 
 
-# --- refusals
-
-
 HARD = sc.Linear(20.0)
 
 
@@ -312,7 +297,6 @@ HARD = sc.Linear(20.0)
         (lambda: sc.Table((0.0, 0.1), (20.0, 19.0)), "stress must not decrease"),
         (lambda: sc.Table((0.1, 0.2), (20.0, 21.0)), "plastic_strain must start at 0"),
         (lambda: sc.Table((0.0,), (20.0,)), "at least 2 points"),
-        (lambda: sc.CowperSymonds(1.0, 0.5), "exponent must be 1 or more"),
         (lambda: sc.Plastic(FILM, HARD, (1.0, -0.5, 1.0)), "not closed and convex"),
         (
             lambda: sc.Plastic(FILM, 2.0, angle_deg="x"),
@@ -323,7 +307,6 @@ HARD = sc.Linear(20.0)
         (lambda: sc.Plastic(3, HARD), "elastic must be an Elastic or an Orthotropic"),
         (lambda: sc.Hencky(3), "elastic must be an Elastic or an Orthotropic"),
         (lambda: sc.Orthotropic(100.0, 400.0, 0.6, 50.0, 1e-9), "poisson must lie between"),
-        (lambda: sc.Orthotropic(100.0, -4.0, 0.6, 0.0, 1e-9), "young_across.*shear must be"),
     ],
 )
 def test_what_cannot_be_is_refused_with_a_sentence(make, said):

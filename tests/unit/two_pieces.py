@@ -3,6 +3,7 @@
 import numpy as np
 
 import shellcut as sc
+from courses import UNDAMPED
 from shellcut.contact.sheet_contact import SelfContact
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -36,8 +37,7 @@ def thrown(gap, velocity, *, thickness=H, contact=ON, **options):
         sc.ShellMaterial.homogeneous(thickness=thickness),
         contact=contact,
         velocity=v,
-        damping_alpha=0.0,
-        damping_beta=0.0,
+        **UNDAMPED,
         **options,
     )
 
