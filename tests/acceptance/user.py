@@ -1,6 +1,5 @@
 """A user with nothing but Python: a folder, a fresh virtual environment, no display."""
 
-import json
 import os
 import shutil
 import signal
@@ -88,7 +87,9 @@ class User:
         _ = self.environment
         folder = self.folder / "parts"
         folder.mkdir()
-        self.inside("write_parts.py", str(folder))
+        script = str(HERE / "write_parts.py")  # sees tests/films.py, too
+        python = str(self._bin / "python")
+        _done(self.run(python, script, str(folder), PYTHONPATH=str(HERE.parent)))
         return folder
 
     def run(self, *command, **environ):
@@ -108,18 +109,6 @@ class User:
 
     def python(self, text):
         return self.run(str(self._bin / "python"), "-c", text)
-
-    def inside(self, script, *arguments):
-        """Run a script of ``inside`` by the environment's Python; return the figures it prints.
-
-        The figures are the last line, in JSON. It sees the modules beside ``tests/films.py``.
-        """
-        command = str(self._bin / "python"), str(HERE / "inside" / script), *arguments
-        done = self.run(*command, PYTHONPATH=str(HERE.parent))
-        *_, last = ["", *done.said.strip().splitlines()]
-        if done.code:
-            raise RuntimeError(f"{script}: {last}")
-        return json.loads(last)
 
     def interrupted(self, *arguments, when):
         """Run the command ``shellcut`` and press Ctrl-C as soon as ``when()``."""

@@ -81,13 +81,9 @@ def words(kind, name="guillotine"):
 
 def whole(kind, name="guillotine"):
     """Return the folder of an undisturbed command."""
-    return _whole(kind, name)
-
-
-@functools.cache
-def _whole(kind, name):
     out = folder() / f"{kind} {name}"
-    command([*words(kind, name), "-o", str(out)], folder() / "log").expect(0)
+    if not out.exists():
+        command([*words(kind, name), "-o", str(out)], folder() / "log").expect(0)
     return out
 
 

@@ -12,6 +12,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
+TESTS = Path(__file__).parents[1]
 TRACEBACK = "Traceback (most recent call last)"
 
 
@@ -23,20 +26,8 @@ class Trial:
     """Of the table."""
     what: str
     """In words, for a report of its failure."""
-    do: Callable[[Path], "Batch | None"]
-    """Makes it in an empty folder; an exception is a failure."""
-
-
-@dataclass
-class Batch:
-    """What came of several inputs that one process has tried."""
-
-    tried: int
-    failures: list[str]
-
-
-class Impossible(Exception):
-    """This machine cannot make the trial; the reason."""
+    do: Callable[[Path], None]
+    """Makes it in an empty folder. An exception is a failure; where it cannot be made, it skips."""
 
 
 @dataclass
@@ -100,26 +91,14 @@ class Child:
         _, status = os.waitpid(self.pid, os.WUNTRACED)
         assert os.WIFSTOPPED(status), "it has ended before it was paused"
 
-    def wait(self, seconds=120.0, end=None):
-        """Wait for its end; a child that needs longer is ended, which is a failure.
-
-        ``end`` is a signal that it is given first, and as much time again.
-        """
-        if end is not None:
-            try:
-                return self._waited(seconds, kill=False)
-            except TimeoutError:
-                self.send(end)
-        return self._waited(seconds, kill=True)
-
-    def _waited(self, seconds, *, kill):
+    def wait(self, seconds=120.0):
+        """Wait for its end; a child that needs longer is ended, which is a failure."""
         end = time.monotonic() + seconds
         pause = 1e-3
         while (found := os.waitpid(self.pid, os.WNOHANG))[0] == 0:
             if time.monotonic() > end:
-                if kill:
-                    os.kill(self.pid, signal.SIGKILL)
-                    os.waitpid(self.pid, 0)
+                os.kill(self.pid, signal.SIGKILL)
+                os.waitpid(self.pid, 0)
                 raise TimeoutError(f"no end within {seconds:.0f} s")
             time.sleep(pause)
             pause = min(2 * pause, 0.02)
@@ -138,9 +117,19 @@ def fresh(argv, folder, environment=(), options=(), **streams):
     return Done(done.returncode, *texts)
 
 
-def command(argv, folder, before=None, seconds=120.0):
+def of_the_suite(test, folder):
+    """Let pytest carry out a test of the suite."""
+    words = ["-m", "pytest", "-rs", "-n0", "-m", "slow or not slow", f"--basetemp={folder / 'of'}"]
+    asked = [sys.executable, *words, str(TESTS / test)]
+    done = subprocess.run(asked, cwd=TESTS.parent, capture_output=True, text=True, check=False)
+    if " passed" not in done.stdout and " skipped" in done.stdout:
+        pytest.skip(done.stdout[-300:])
+    assert done.returncode == 0, done.stdout[-1500:]
+
+
+def command(argv, folder, before=None):
     """Do a command in a child, and wait for it; ``before`` changes the process first."""
-    return begin(argv, folder, before).wait(seconds)
+    return begin(argv, folder, before).wait()
 
 
 def begin(argv, folder, before=None):
