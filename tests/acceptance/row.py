@@ -6,10 +6,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 
-class Failed(Exception):
-    """What a row expected and did not find."""
-
-
 class Outcome(NamedTuple):
     """What the table shows of a row."""
 
@@ -23,7 +19,7 @@ class Row:
     """One row."""
 
     do: Callable
-    """Does it for a user and returns what was measured; raises `Failed`."""
+    """Does it for a user and returns what was measured; fails by an assertion."""
     minute: str
     """When a user gets there."""
     what: str
@@ -59,13 +55,7 @@ def row(*about, **limits):
     return lambda do: ROWS.append(Row(do, *about, **limits))
 
 
-def expect(condition, text):
-    """Raise `Failed` with the text unless the condition holds."""
-    if not condition:
-        raise Failed(text)
-
-
-def expect_words(said, *words):
-    """Raise `Failed` unless all the words were said."""
+def assert_said(said, *words):
+    """Fail unless all the words were said."""
     missing = [word for word in words if word not in said]
-    expect(not missing, f"{missing} not in what was said:\n{said.strip()[-2000:]}")
+    assert not missing, f"{missing} not in what was said:\n{said.strip()[-2000:]}"

@@ -10,7 +10,7 @@ import json
 import re
 import zipfile
 
-from row import expect, expect_words, row
+from row import assert_said, row
 from user import QUICK, ROOT
 
 
@@ -19,15 +19,15 @@ def readme(user):
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
     for path in pictures[:2]:
-        expect((ROOT / path).is_file(), f"{path} is not there")
-    expect(len(pictures) >= 2, "a picture of the cut and a torque curve must be shown")
+        assert (ROOT / path).is_file(), f"{path} is not there"
+    assert len(pictures) >= 2, "a picture of the cut and a torque curve must be shown"
     script = re.search(r"```python\n(.*?)```", text, re.S)
-    expect(script, "a script must be shown")
+    assert script, "a script must be shown"
     lines = [line for line in script[1].splitlines() if line.strip()]
-    expect(len(lines) <= 6, f"the script must have six lines, got {len(lines)}")
+    assert len(lines) <= 6, f"the script must have six lines, got {len(lines)}"
     compile(script[1], "README.md", "exec")
-    expect_words(text, "pip install", "shellcut run opening --set mesh=quick -o out", "pytest")
-    expect_words(text, "it does not", "mm, N, s, tonne, MPa", "docs/limits.md", "CITATION.cff")
+    assert_said(text, "pip install", "shellcut run opening --set mesh=quick -o out", "pytest")
+    assert_said(text, "it does not", "mm, N, s, tonne, MPa", "docs/limits.md", "CITATION.cff")
     return f"{len(pictures)} pictures, a script of {len(lines)} lines"
 
 
@@ -40,15 +40,15 @@ def readme(user):
 def install(user):
     wheel = user.environment.wheel
     size = wheel.stat().st_size / 1e6
-    expect(size < 2.0, f"the wheel must be under 2 MB, got {size:.2f}")
-    expect(wheel.name.endswith("py3-none-any.whl"), f"the wheel must be pure, got {wheel.name}")
+    assert size < 2.0, f"the wheel must be under 2 MB, got {size:.2f}"
+    assert wheel.name.endswith("py3-none-any.whl"), f"the wheel must be pure, got {wheel.name}"
     with zipfile.ZipFile(wheel) as content:
         native = [n for n in content.namelist() if n.endswith((".so", ".pyd", ".dll", ".dylib"))]
-    expect(not native, f"no machine code in the wheel, got {native}")
+    assert not native, f"no machine code in the wheel, got {native}"
     names = "print(*(p.metadata['Name'].lower() for p in importlib.metadata.distributions()))"
     packages = user.python(f"import importlib.metadata; {names}").said.split()
     for name in ("gmsh", "vtk", "pandas"):
-        expect(name not in packages, f"{name} is an extra, but was installed")
+        assert name not in packages, f"{name} is an extra, but was installed"
     return f"{user.environment.seconds:.0f} s of it pip, {len(packages)} packages, {size:.2f} MB"
 
 
@@ -61,8 +61,8 @@ def import_time(user):
     # The least of five: what else runs on the machine only adds.
     said = [user.python(text).said.split() for _ in range(5)]
     best = min(float(seconds) for seconds, _ in said)
-    expect(best < 1.0, f"the import must take less than 1.0 s, got {best:.2f}")
-    expect(re.fullmatch(r"\d+\.\d+\.\d+\S*", said[0][1]), f"no version: {said[0][1]}")
+    assert best < 1.0, f"the import must take less than 1.0 s, got {best:.2f}"
+    assert re.fullmatch(r"\d+\.\d+\.\d+\S*", said[0][1]), f"no version: {said[0][1]}"
     return f"{best:.2f} s (least of 5), version {said[0][1]}"
 
 
@@ -75,7 +75,7 @@ def import_time(user):
 )
 def main_job(user):
     said = user.first_run.said
-    expect(user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}")
+    assert user.first_run.code == 0, f"exit code {user.first_run.code}:\n{said}"
     # What a user sees: the model, what is compiled, progress; energies every 5 % in run.log.
     for pattern in (
         r"film +649 nodes, 612 quads with sides of .* 0\.074 mm thick",
@@ -85,24 +85,23 @@ def main_job(user):
         r" %: angle [\d.]+°, torque \S+ N·mm",
         r"The cut took a torque of \S+ ± \S+ N·mm",
     ):
-        expect(re.search(pattern, said), f"nothing like {pattern!r} was said:\n{said}")
+        assert re.search(pattern, said), f"nothing like {pattern!r} was said:\n{said}"
     log = (user.out / "run.log").read_text(encoding="utf-8")
     shares = [int(share) for share in re.findall(r"(\d+) %: .* \| E: .* \| crack", log)]
-    expect(set(shares) == set(range(5, 101, 5)), f"energies every 5 %, got {shares}")
+    assert set(shares) == set(range(5, 101, 5)), f"energies every 5 %, got {shares}"
     with (user.out / "history.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     bare = [name for name in rows[0] if not re.fullmatch(r"\w+ \[[^\]]+\]", name)]
-    expect(not bare, f"every column must name its unit, got {bare}")
+    assert not bare, f"every column must name its unit, got {bare}"
     names = ["opening.vtkhdf", "history.csv", "summary.json", "splits.csv", "torque.png"]
     names += ["energy.png", "run.log", "used.toml", "checkpoint.h5"]
     for name in names:
-        path = user.out / name
-        expect(path.is_file() and path.stat().st_size > 0, f"{name} is missing or empty")
+        assert (user.out / name).stat().st_size > 0, f"{name} is empty"
     snapshots = list(user.out.glob("snapshot_*.png"))
-    expect(len(snapshots) >= 4, f"4 snapshots or more, got {len(snapshots)}")
+    assert len(snapshots) >= 4, f"4 snapshots or more, got {len(snapshots)}"
     summary = json.loads((user.out / "summary.json").read_text(encoding="utf-8"))
     balance = summary["imbalance_rel"]
-    expect(balance <= 0.01, f"the balance must close within 1 % of the work, got {balance:.2%}")
+    assert balance <= 0.01, f"the balance must close within 1 % of the work, got {balance:.2%}"
     return f"balance {balance:.3%}, {len(rows)} rows, {len(names) + len(snapshots)} files"
 
 
@@ -122,18 +121,18 @@ def interrupt_and_resume(user):
         return history.exists() and history.stat().st_size > half
 
     stopped = user.interrupted("run", *QUICK, "-o", "again", when=halfway)
-    expect(stopped.code == 130, f"exit code {stopped.code}:\n{stopped.said}")
-    expect_words(stopped.said, "shellcut resume again")
+    assert stopped.code == 130, f"exit code {stopped.code}:\n{stopped.said}"
+    assert_said(stopped.said, "shellcut resume again")
     place = re.search(r"stopped at (.+?);", stopped.said)
-    expect(place, f"where it stopped was not said:\n{stopped.said[-500:]}")
+    assert place, f"where it stopped was not said:\n{stopped.said[-500:]}"
     resumed = user.shellcut("resume", "again")
-    expect(resumed.code == 0, f"exit code {resumed.code}:\n{resumed.said}")
+    assert resumed.code == 0, f"exit code {resumed.code}:\n{resumed.said}"
     for name in ("history.csv", "splits.csv"):
         same = (user.out / name).read_bytes() == (again / name).read_bytes()
-        expect(same, f"{name} differs")
+        assert same, f"{name} differs"
     runs = (user.out, again)
     digests = {json.loads((run / "summary.json").read_text())["digest"] for run in runs}
-    expect(len(digests) == 1, f"the digests of the state differ: {digests}")
+    assert len(digests) == 1, f"the digests of the state differ: {digests}"
     return f"stopped at {place[1]}, resumed: history, splits and state equal bit for bit"
 
 
@@ -185,11 +184,11 @@ def _command(minute, text, code, words, left, seconds):
     @row(minute, f"shellcut {text}", seconds=seconds, needs=("environment", *needs))
     def command(user):
         done = user.shellcut(*text.split())
-        expect(done.code == code, f"exit code {done.code}:\n{done.said}")
-        expect_words(done.said, *words)
-        expect(not re.search("Traceback|PROBLEM", done.said), done.said)
+        assert done.code == code, f"exit code {done.code}:\n{done.said}"
+        assert_said(done.said, *words)
+        assert not re.search("Traceback|PROBLEM", done.said), done.said
         sizes = [(user.folder / name).stat().st_size for name in left]
-        expect(all(size > 1000 for size in sizes), f"{left} must not be empty, got {sizes}")
+        assert all(size > 1000 for size in sizes), f"{left} must not be empty, got {sizes}"
         return f"exit code {code}"
 
 

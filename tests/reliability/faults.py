@@ -362,9 +362,7 @@ def foreign_checkpoint(change, folder):
 # ---------------------------------------------------------------- environments
 
 
-@fault(
-    "environment", "locale C, ASCII", LC_ALL="C", LANG="C", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0"
-)
+@fault("environment", "locale C", LC_ALL="C", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
 @fault("environment", "no HOME", HOME=None, MPLCONFIGDIR=None, XDG_CACHE_HOME=None)
 @fault("environment", "no TZ", TZ=None)
 @fault("environment", "a TZ that is none", TZ="Nowhere/Land")

@@ -12,7 +12,7 @@ import shutil
 import signal
 import sys
 import warnings
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
 
@@ -65,7 +65,10 @@ def trials():
 
 def _apart(row, number, folder):
     """Try an input in a process of its own."""
-    _prepared(row)
+    # Made here, once for all processes.
+    _drawing()
+    tiny.whole("run")
+    _strip_at_work()
 
     def do():
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
@@ -80,14 +83,13 @@ def _apart(row, number, folder):
     Child(do, folder / "said").wait(2.0 * SECONDS).expect(*codes)
 
 
-@functools.cache
-def _prepared(row):
-    """Load here what every process of a kind needs."""
-    if row == "drawings":
-        _drawing()
-    if row in ("results", "checkpoints", "command lines"):
-        tiny.whole("run", "guillotine")
-        _strip_at_work()
+@contextmanager
+def refusing_in_words(errors=ValueError):
+    """Let what is within end, or refuse its input in words."""
+    try:
+        yield
+    except errors as refusal:
+        in_words(refusal)
 
 
 def in_words(refusal, path=""):
@@ -124,10 +126,8 @@ def study_file(rng, folder):
     text = (Path(__file__).parents[2] / "examples/study.toml").read_bytes()
     path = folder / "study.toml"
     path.write_bytes(mutated(rng, text, text=True)[0])
-    try:
+    with refusing_in_words():
         read_study(path).plan()
-    except ValueError as refusal:
-        in_words(refusal)
 
 
 # ---------------------------------------------------------------- meshes, drawings, curves
@@ -178,11 +178,8 @@ def _drawing():
 def drawing(rng, folder):
     path = folder / "plate.dxf"
     path.write_bytes(mutated(rng, _drawing(), text=True)[0])
-    try:
-        found = sc.read_drawing(path)
-        assert np.isfinite(found.area)
-    except ValueError as refusal:
-        in_words(refusal)
+    with refusing_in_words():
+        assert np.isfinite(sc.read_drawing(path).area)
 
 
 CURVE = "path [mm]; force [N]; note\n" + "".join(
@@ -195,14 +192,12 @@ def curve(rng, folder):
     path = folder / "curve.csv"
     text = (CURVE, MOTION)[rng.integers(2)]
     path.write_bytes(mutated(rng, text.encode(), text=True)[0])
-    try:
+    with refusing_in_words():
         if text == CURVE:
             found = sc.read_measured_curve(path)
             assert np.isfinite([found.x, found.y]).all()
         else:
             sc.TableMotion.read_csv(path)
-    except ValueError as refusal:
-        in_words(refusal)
 
 
 # ---------------------------------------------------------------- what runs have written
@@ -245,21 +240,14 @@ def results(rng, folder):
     content = (out / name).read_bytes()
     (out / name).write_bytes(mutated(rng, content, text=not name.endswith("hdf"))[0])
     good = [frame.points for frame in sc.read(reference).frames()]
-    try:
+    with refusing_in_words((ValueError, OSError, KeyError)):
         found = sc.read(out)
         found.summary, found.history["time"]
-        frames = list(found.frames())
-    except (ValueError, OSError, KeyError) as refusal:
-        in_words(refusal)
-    else:
-        same = [np.array_equal(a.points, b) for a, b in zip(frames, good, strict=False)]
+        same = [np.array_equal(a.points, b) for a, b in zip(found.frames(), good, strict=False)]
         assert all(same), "a damaged frame was read"
-    if rng.integers(8):  # it takes a second
-        return
-    try:
-        sc.report_run(out)
-    except (ValueError, OSError) as refusal:
-        in_words(refusal)
+    if rng.integers(8) == 0:  # it takes a second
+        with refusing_in_words((ValueError, OSError)):
+            sc.report_run(out)
 
 
 # ---------------------------------------------------------------- command lines and arguments

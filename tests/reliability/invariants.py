@@ -12,11 +12,10 @@ from itertools import count
 
 import numpy as np
 
+import notched_strip
 import shellcut as sc
 import test_scales
 from scaled import Factors
-from shellcut.mesh.structured import rectangle
-from shellcut.tool.shapes import straight_blade
 
 from .trial import Trial, of_the_suite
 
@@ -53,42 +52,41 @@ def trials():
         yield Trial(row, f"{row} by seed {number}", functools.partial(same, rng))
 
 
-def film():
-    """Return a notched film without symmetry."""
-    mesh = rectangle(SIZE, 1.6, n_x=8, n_y=4).cut([18, 19])
-    nodes = mesh.nodes.copy()
-    inside = np.setdiff1d(np.arange(len(nodes)), mesh.boundary_nodes())
-    middle = np.abs(nodes[:, 1]) < 1e-9
-    nodes[middle, 1] += 0.012  # in the plane of the blade, round-off decides on the side
-    inside = inside[~middle[inside]]
-    nodes[inside, :2] += np.random.default_rng(7).uniform(-0.06, 0.06, (len(inside), 2))
-    sides = [*mesh.node_set("bottom"), *mesh.node_set("top")]
-    return nodes, mesh.quads, np.array(sides)
-
-
-def simulation(nodes, quads, sides, turn, shift):
-    """Return a cut of the film, turned, then moved."""
-    blade = straight_blade(half_thickness=0.1, length=2.0, height=2.0)
-    start = [-0.05, 0.0, 0.0]  # on a node, round-off decides whether the tool is outside
-    place = (blade.vertices + start) @ turn.T + shift
-    mesh = sc.Mesh.from_arrays(nodes @ turn.T + shift, quads, node_sets={"sides": sides})
-    law = sc.CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3)
-    return sc.Simulation(
-        mesh,
-        sc.ShellMaterial.homogeneous(),
-        supports=[sc.Support.clamped("sides")],
-        loads=[sc.Pressure(1e-3)],
-        tool=sc.Tool.from_triangles(place, blade.triangles, edges=blade.edges),
-        motion=sc.StraightMotion(turn[:, 0], 2e4, ramp=5e-6),
-        law=law,
+@functools.cache
+def inputs():
+    """Return those of a cut, and its film's nodes without symmetry, quads and held sides."""
+    sim = notched_strip.cutting(
         contact=sc.Contact(penalty=1e4),
-        fracture=sc.Fracture(path="edges", check_every=5),
         damping_alpha=0.1,
         damping_beta=5e-8,
         stepping=sc.Stepping(fixed=7e-8),  # round-off may move a change of the step
         imperfection=0,  # its phases depend on the place
         threads=1,
     )
+    mesh = sim.mesh
+    nodes = mesh.nodes.copy()
+    middle = np.abs(nodes[:, 1]) < 1e-9
+    nodes[middle, 1] += 0.012  # in the plane of the blade, round-off decides on the side
+    inside = np.setdiff1d(np.flatnonzero(~middle), mesh.boundary_nodes())
+    nodes[inside, :2] += np.random.default_rng(7).uniform(-0.06, 0.06, (len(inside), 2))
+    return sim.inputs, (nodes, mesh.quads, mesh.node_set("sides"))
+
+
+def simulation(nodes, quads, sides, turn, shift):
+    """Return the cut of a film, turned, then moved."""
+    given, _ = inputs()
+    start = [-0.05, 0.0, 0.0]  # on a node, round-off decides whether the tool is outside
+    blade = given["tool"]
+    place = (blade.vertices + start) @ turn.T + shift
+    mesh = sc.Mesh.from_arrays(nodes @ turn.T + shift, quads)
+    changed = {
+        "mesh": mesh,
+        "supports": [sc.Support.clamped(sides)],
+        "loads": [sc.Pressure(1e-3)],
+        "tool": sc.Tool.from_triangles(place, blade.triangles, edges=blade.edges),
+        "motion": sc.StraightMotion(turn[:, 0], 2e4, ramp=5e-6),
+    }
+    return sc.Simulation(**given | changed)
 
 
 def result(sim):
@@ -107,7 +105,7 @@ def result(sim):
 
 @functools.cache
 def reference():
-    return result(simulation(*film(), np.eye(3), np.zeros(3)))
+    return result(simulation(*inputs()[1], np.eye(3), np.zeros(3)))
 
 
 def turned(rng):
@@ -119,7 +117,7 @@ def turned(rng):
 
 def same_but(row, rng, folder):
     """Fail unless positions and energies of a changed cut are the same to round-off."""
-    nodes, quads, sides = film()
+    nodes, quads, sides = inputs()[1]
     turn, shift, order = np.eye(3), np.zeros(3), np.arange(len(quads))
     if row == "turned":
         turn = turned(rng)
