@@ -5,15 +5,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
-from shellcut import (
-    CohesiveLaw,
-    Fracture,
-    Mesh,
-    ShellMaterial,
-    Simulation,
-    StraightMotion,
-    Support,
-)
+import shellcut as sc
 
 
 def shaken(mesh, most, seed=1, size=1.0, held=None):
@@ -25,14 +17,14 @@ def shaken(mesh, most, seed=1, size=1.0, held=None):
     inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
     inside = inside if held is None else np.setdiff1d(inside, held)
     X[inside, :2] += rng.uniform(-most, most, (inside.size, 2)) * size
-    return Mesh.from_arrays(X, mesh.quads, node_sets=dict(mesh.node_sets))
+    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=dict(mesh.node_sets))
 
 
 def from_zero(mesh, *corner):
     """Return a mesh moved to begin at x = 0, or with its lowest coordinates at a corner."""
     start = mesh.nodes.min(axis=0)
     shift = np.append(start[: len(corner)] - corner, 0.0) if corner else [start[0], 0.0, 0.0]
-    return Mesh.from_arrays(mesh.nodes - shift, mesh.quads, node_sets=dict(mesh.node_sets))
+    return sc.Mesh.from_arrays(mesh.nodes - shift, mesh.quads, node_sets=dict(mesh.node_sets))
 
 
 def pieces(quads):
@@ -44,18 +36,18 @@ def pieces(quads):
 def free_film(mesh, **options):
     """Return a run of a film: the default film and law, and cracks through the quads."""
     usual = {
-        "material": ShellMaterial.homogeneous(),
-        "law": CohesiveLaw(),
-        "fracture": Fracture(path="free"),
+        "material": sc.ShellMaterial.homogeneous(),
+        "law": sc.CohesiveLaw(),
+        "fracture": sc.Fracture(path="free"),
     }
-    return Simulation(mesh, **usual | options)
+    return sc.Simulation(mesh, **usual | options)
 
 
 def cut_by(tool, mesh, speed, *, ramp=0.0, **options):
     """Return a run of a tool that goes along x through a film whose long sides are held."""
     usual = {
-        "supports": [Support.clamped("bottom"), Support.clamped("top")],
-        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+        "supports": [sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        "motion": sc.StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
     }
     return free_film(mesh, tool=tool, **usual | options)
 
@@ -76,7 +68,7 @@ def unstructured_disc(radius=10.2, spacing=0.93, seed=0):
     middle = np.flatnonzero(on_rim) + len(points)
     nodes[middle] *= radius / np.hypot(*nodes[middle].T)[:, None]
     rim_nodes = np.flatnonzero(np.hypot(*nodes.T) > radius - 1e-6)
-    return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
+    return sc.Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
 
 
 def write_gmsh(path, film, *, rim, quads):

@@ -27,15 +27,6 @@ class Finished(NamedTuple):
     code: int
     said: str
     """Standard output and error."""
-    seconds: float
-
-
-class Environment(NamedTuple):
-    """The installed package."""
-
-    wheel: Path
-    seconds: float
-    """That pip took to install."""
 
 
 class User:
@@ -54,9 +45,8 @@ class User:
 
     @cached_property
     def environment(self):
-        """A fresh virtual environment with the wheel of this clone and the extra ``plot``."""
-        made = self.run(sys.executable, "-m", "venv", str(self._bin.parent))
-        _done(made)
+        """The wheel of this clone, installed with the extra ``plot`` into a fresh environment."""
+        _done(self.run(sys.executable, "-m", "venv", str(self._bin.parent)))
         # From a copy: a build leaves files in the folder, and takes up what an older one left.
         source, wheels = self.folder / "source", self.folder / "wheel"
         shutil.copytree(ROOT / "src", source / "src", ignore=_NOT_SOURCES)
@@ -65,9 +55,8 @@ class User:
         shutil.copytree(ROOT / ".ci", source / ".ci", ignore=_NOT_SOURCES)
         _done(self.pip("wheel", "--no-deps", "-w", str(wheels), str(source)))
         (wheel,) = wheels.glob("*.whl")
-        installed = self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]")
-        _done(installed)
-        return Environment(wheel, installed.seconds)
+        _done(self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]"))
+        return wheel
 
     @cached_property
     def first_run(self):
@@ -136,7 +125,7 @@ class User:
         seconds = time.perf_counter() - start
         with self.log.open("a", encoding="utf-8") as log:
             log.write(f"$ {' '.join(command)}\n{said}\n[{code}, {seconds:.1f} s]\n\n")
-        return Finished(code, said, seconds)
+        return Finished(code, said)
 
 
 def _done(finished):

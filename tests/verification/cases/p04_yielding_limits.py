@@ -5,13 +5,12 @@ from scipy.optimize import minimize_scalar
 
 import shellcut as sc
 from harness import Check, case
-from shellcut import Elastic, Layer, Plastic, ShellMaterial, Statics, Support, Table
 from shellcut.material import MaterialPoint
 from shellcut.mesh.structured import disc, rectangle
 
 K, EXPONENT, H = 100.0, 0.2, 0.1
 PLASTIC = np.append(0.0, np.geomspace(1e-7, 1.0, 8000))
-FILM = Plastic(Elastic(1e6, 0.3, 1e-9), Table(PLASTIC, K * (1e-5 + PLASTIC) ** EXPONENT))
+FILM = sc.Plastic(sc.Elastic(1e6, 0.3, 1e-9), sc.Table(PLASTIC, K * (1e-5 + PLASTIC) ** EXPONENT))
 ELASTIC = "elastic strain 1e-4 and first yield at 1e-5"
 
 
@@ -30,14 +29,14 @@ def largest_of_strip():
     """Return the same of a strip whose end is drawn out step by step."""
     mesh = rectangle(4.0, 2.0, n_x=4, n_y=2)
     corner = np.flatnonzero(np.isclose(mesh.nodes[:, 1], mesh.nodes[:, 1].min()))
-    strip = Statics(
+    strip = sc.Statics(
         mesh,
-        ShellMaterial([Layer(FILM, H)], points_per_layer=1),
+        sc.ShellMaterial([sc.Layer(FILM, H)], points_per_layer=1),
         supports=[
-            Support("left", translation="x"),
-            Support("right", translation="x"),
-            Support(np.arange(mesh.n_node), translation="z", rotation="xyz"),
-            Support(corner, translation="y", rotation=""),
+            sc.Support("left", translation="x"),
+            sc.Support("right", translation="x"),
+            sc.Support(np.arange(mesh.n_node), translation="z", rotation="xyz"),
+            sc.Support(corner, translation="y", rotation=""),
         ],
     )
     end, before = mesh.node_set("right"), 0.0
