@@ -123,9 +123,6 @@ def refuses(argv, folder, said):
     assert not changed, f"changed: {changed}"
 
 
-# ---------------------------------------------------------------- disks
-
-
 def fill(place):
     """Fill a disk up to the last byte."""
     file = os.open(place / "filler", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
@@ -193,9 +190,6 @@ def full_output(folder):
     with open("/dev/full", "w") as full:
         fresh(strip(folder), folder, stdout=full, stderr=full)
     tiny.assert_same(folder / "out", "run")
-
-
-# ---------------------------------------------------------------- folders, files, rights
 
 
 @fault("folder or file lost", "folder removed", shutil.rmtree)
@@ -291,9 +285,6 @@ def read_only_home(folder):
         environment(folder, **words, NUMBA_CACHE_DIR=str(place / "kernels"))
 
 
-# ---------------------------------------------------------------- two runs, locks, clocks
-
-
 @fault("two runs", "run", "run")
 @fault("two runs", "run --overwrite", "overwrite")
 @fault("two runs", "resume", "resume")
@@ -335,9 +326,6 @@ def files_of_the_future(folder):
     goes_on(out, folder)
 
 
-# ---------------------------------------------------------------- checkpoints of elsewhere
-
-
 def of_another_model(_):
     return (tiny.whole("run", "disc") / "checkpoint.h5").read_bytes()
 
@@ -357,9 +345,6 @@ def foreign_checkpoint(change, folder):
     refuses(["resume", str(out)], out, "checkpoint")
     checkpoint.write_bytes(good)
     goes_on(out, folder)
-
-
-# ---------------------------------------------------------------- environments
 
 
 @fault("environment", "locale C", LC_ALL="C", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
@@ -400,9 +385,6 @@ def decimal_comma(folder):
         assert locale.localeconv()["decimal_point"] == ","
 
     undisturbed(folder, before)
-
-
-# ---------------------------------------------------------------- limits, paths, processes
 
 
 @fault("limits", "size of files")

@@ -99,9 +99,6 @@ def in_words(refusal, path=""):
     return said
 
 
-# ---------------------------------------------------------------- model and study files
-
-
 def model_file(rng, folder):
     model, sections = list(model_numbers.MODELS.values())[rng.integers(len(model_numbers.MODELS))]
     damaged, _ = mutated(rng, model_numbers._toml(model, sections).encode(), text=True)
@@ -128,9 +125,6 @@ def study_file(rng, folder):
     path.write_bytes(mutated(rng, text, text=True)[0])
     with refusing_in_words():
         read_study(path).plan()
-
-
-# ---------------------------------------------------------------- meshes, drawings, curves
 
 
 def cells_of(path, name):
@@ -200,9 +194,6 @@ def curve(rng, folder):
             sc.TableMotion.read_csv(path)
 
 
-# ---------------------------------------------------------------- what runs have written
-
-
 @functools.cache
 def _strip_at_work():
     from notched_strip import cutting
@@ -248,9 +239,6 @@ def results(rng, folder):
     if rng.integers(8) == 0:  # it takes a second
         with refusing_in_words((ValueError, OSError)):
             sc.report_run(out)
-
-
-# ---------------------------------------------------------------- command lines and arguments
 
 
 def _command_lines():

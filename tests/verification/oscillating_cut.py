@@ -7,7 +7,6 @@ grown, and where the work went from there on.
 
 import argparse
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +19,6 @@ from courses import recorded
 from shellcut.models.oscillating import (
     BAR_FILM,
     BAR_FRACTURE,
-    BAR_LAW,
     STIFFNESS_DAMPING,
     film_before,
 )
@@ -75,13 +73,11 @@ def grown(turns, path, diameter):
     return turns[1 + far[0] : None if back > 0.1 * diameter else -1]
 
 
-def run(case, until):
+def run(case):
     """Run to the end; return rows of travel, crack and works: tool, cables, damping, imbalance."""
-    began = time.monotonic()
 
     def ended(sim):
-        late = sim.state.time >= case.duration or time.monotonic() - began > until
-        return late or not sim.cracks.tips
+        return sim.state.time >= case.duration or not sim.cracks.tips
 
     def read(sim):
         book, way = sim.ledger, sim.motion.coordinate(sim.state.time)
@@ -103,8 +99,6 @@ NUMBERS = {
     "fibres": (BAR_FRACTURE.fibres, "of a segment"),
     "notch": (1.5, "its length [diameters]"),
     "offset": (0.35, "of the notch from the bar [diameters]"),
-    "strength": (BAR_LAW.strength, "at the same fracture energy [MPa]"),
-    "until": (3600.0, "wall time at most [s]"),
 }
 """Options of the command line, with their defaults."""
 
@@ -116,16 +110,6 @@ def arguments():
         parser.add_argument(f"--{name}", type=type(default), default=default, help=words)
     parser.add_argument("--mesh", choices=("moved", "turned", "gmsh"), default="moved")
     return parser.parse_args()
-
-
-def weaker(strength):
-    """Return the default law with another strength and the same fracture energy."""
-    longer = BAR_LAW.strength / strength
-    lengths = {
-        name: longer * getattr(BAR_LAW, name)
-        for name in ("opening_a", "opening_p", "opening_u", "onset")
-    }
-    return sc.CohesiveLaw(strength=strength, plateau=BAR_LAW.plateau / longer, **lengths)
 
 
 def case_of(chosen):
@@ -143,7 +127,6 @@ def case_of(chosen):
         speed=chosen.speed,
         notch=chosen.notch * d,
         offset=chosen.offset * d,
-        law=weaker(chosen.strength),
         material=sc.ShellMaterial.homogeneous(**{**BAR_FILM, "thickness": chosen.thickness}),
         fracture=replace(BAR_FRACTURE, fibres=chosen.fibres),
         damping_beta=chosen.damping,
@@ -153,7 +136,7 @@ def case_of(chosen):
 def main():
     chosen = arguments()
     d, case = chosen.diameter, case_of(chosen)
-    rows = run(case, chosen.until)
+    rows = run(case)
     cuts = [cut for cut in case.simulation.state.split_log if cut.kind != "notch"]
     path = [cut.reference[:2] for cut in cuts]
     turns = extremes(path, d)

@@ -29,12 +29,10 @@ def pulling(t):
 
 @case("G01", "Block on an incline")
 def g01():
-    """A block on an incline: it holds up to tan b = mu, then slides.
-
-    A square of film, flat, lies on a plane of the tool inclined by 25 degrees, pressed on it by a
-    load on its mass along the normal; a second load along the slope grows slowly. Read: the ratio
-    of the two at which it begins to slide, its acceleration afterwards, and what friction has
-    dissipated.
+    """It holds up to tan b = mu, then slides. A square of film, flat, lies on a plane of the tool
+    inclined by 25 degrees, pressed on it by a load on its mass along the normal; a second load
+    along the slope grows slowly. Read: the ratio of the two at which it begins to slide, its
+    acceleration afterwards, and what friction has dissipated.
 
     Source: Coulomb's law. It sticks while the slope load is below mu times the normal one, and then
     accelerates by their difference; friction does the work mu N times the distance.
@@ -123,11 +121,9 @@ def force(angle_deg, friction):
 
 @case("G02", "Wedge with friction", fast=False)
 def g02():
-    """A wedge with Coulomb friction splits a stiff strip: the force over G h.
-
-    A plate 1 mm thick and 2 mm wide, free at its sides and clamped at its far end, is split along
-    its middle by a long wedge of half-angle a that drives the crack ahead of itself. The two arms
-    bend in their plane like beams until they lie on the faces of the wedge, and slide on. The
+    """A plate 1 mm thick and 2 mm wide, free at its sides and clamped at its far end, is split
+    along its middle by a long wedge of half-angle a that drives the crack ahead of itself. The two
+    arms bend in their plane like beams until they lie on the faces of the wedge, and slide on. The
     cables never meet the edge. Read: force over G h, from the work of the tool, and the work of
     friction over that.
 
@@ -178,10 +174,8 @@ def pressed(n_side, n_layer, depth):
 
 @case("G03", "Ball on a membrane")
 def g03():
-    """A ball pressed into a stretched film: force over depth, between the nodes too.
-
-    A round film under an isotropic tension, clamped at its border; a triangulated ball moves down
-    slowly, a little off its middle. On the coarse mesh the circle of contact is smaller than a
+    """A round film under an isotropic tension, clamped at its border; a triangulated ball moves
+    down slowly, a little off its middle. On the coarse mesh the circle of contact is smaller than a
     quad: the film is met by the ball's corners between its nodes. Read: the force at a given depth.
 
     Source: membrane under a load F at the distance d from the middle of a disc of radius a, and the

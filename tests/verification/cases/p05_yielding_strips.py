@@ -66,9 +66,7 @@ class Strip:
 
 @case("P05", "Bent strip, springback", fast=False)
 def p05():
-    """Bending of a strip beyond yield, and what is left after unloading.
-
-    Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its section may
+    """Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its section may
     warp:
 
         M / M_y = 3/2 [1 - (kappa_y/kappa)²/3],   M_y = sigma_y b t²/6,   kappa_y = 2 sigma_y/(E t),
@@ -159,11 +157,9 @@ def works(ligament):
 
 @case("P07", "Essential work of fracture")
 def p07():
-    """Essential work of fracture: strips notched on both sides, of five ligaments.
-
-    A strip of a yielding film is pulled apart through a ligament L between two notches. The work W
-    is that of the cables, G h L, and that of yielding beside the ligament, in an area of the order
-    L²:
+    """A strip of a yielding film is pulled apart through a ligament L between two notches. The work
+    W is that of the cables, G h L, and that of yielding beside the ligament, in an area of the
+    order L²:
 
         w_f = W/(h L) = w_e + beta w_p L.
 
