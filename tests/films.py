@@ -1,5 +1,6 @@
 """Quad meshes that know nothing of the blade's path, made without a mesher."""
 
+import meshio
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
@@ -58,7 +59,9 @@ def unstructured_disc(radius=10.2, spacing=0.93, seed=0):
     angle = 2.0 * np.pi * np.arange(n_rim) / n_rim
     rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     n = int(np.ceil(1.25 * radius / spacing))
-    lattice = jittered_lattice(spacing, (-n, n), (-n, n), np.random.default_rng(seed))
+    i, j = np.meshgrid(np.arange(-n, n + 1), np.arange(-n, n + 1))
+    lattice = spacing * np.stack([i + 0.5 * j, np.sqrt(0.75) * j], axis=-1).reshape(-1, 2)
+    lattice += np.random.default_rng(seed).uniform(-0.12, 0.12, lattice.shape) * spacing
     inner = lattice[np.hypot(*lattice.T) < radius - 0.6 * spacing]
     points = np.concatenate([rim, inner])
     nodes, quads, middles = three_quads_a_triangle(points, Delaunay(points).simplices)
@@ -73,30 +76,16 @@ def unstructured_disc(radius=10.2, spacing=0.93, seed=0):
 
 def write_gmsh(path, film, *, rim, quads):
     """Write Gmsh's format 2.2, rim and quads as physical groups of these names."""
-    on_rim = set(film.node_set("rim").tolist())
-    sides = [
-        (a, b)
-        for quad in film.quads.tolist()
-        for a, b in zip(quad, quad[1:] + quad[:1], strict=True)
-        if a in on_rim and b in on_rim
-    ]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2"]
-    lines += [f'1 1 "{rim}"', f'2 2 "{quads}"', "$EndPhysicalNames", "$Nodes", str(film.n_node)]
-    lines += [f"{k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(film.nodes.tolist(), 1)]
-    lines += ["$EndNodes", "$Elements", str(len(sides) + film.n_quad)]
-    lines += [f"{k} 1 2 1 1 {a + 1} {b + 1}" for k, (a, b) in enumerate(sides, 1)]
-    for k, quad in enumerate(film.quads.tolist(), 1 + len(sides)):
-        lines.append(f"{k} 3 2 2 1 " + " ".join(str(n + 1) for n in quad))
-    path.write_text("\n".join([*lines, "$EndElements", ""]))
-
-
-def jittered_lattice(spacing, columns, rows, rng):
-    """Return the points of a triangular lattice, each moved by up to 0.12 of the spacing."""
-    i, j = np.meshgrid(
-        np.arange(columns[0], columns[1] + 1), np.arange(rows[0], rows[1] + 1), indexing="xy"
+    sides = np.stack([film.quads, np.roll(film.quads, -1, axis=1)], axis=2).reshape(-1, 2)
+    sides = sides[np.isin(sides, film.node_set("rim")).all(axis=1)]
+    groups = [np.full(len(sides), 1), np.full(film.n_quad, 2)]
+    mesh = meshio.Mesh(
+        film.nodes,
+        [("line", sides), ("quad", film.quads)],
+        cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
+        field_data={rim: np.array([1, 1]), quads: np.array([2, 2])},
     )
-    lattice = spacing * np.stack([i + 0.5 * j, np.sqrt(0.75) * j], axis=-1).reshape(-1, 2)
-    return lattice + rng.uniform(-0.12, 0.12, lattice.shape) * spacing
+    meshio.write(path, mesh, file_format="gmsh22", binary=False)
 
 
 def three_quads_a_triangle(points, triangles):

@@ -65,10 +65,7 @@ def trials():
 
 def _apart(row, number, folder):
     """Try an input in a process of its own."""
-    # Made here, once for all processes.
-    _drawing()
-    tiny.whole("run")
-    _strip_at_work()
+    _made_for_all()
 
     def do():
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
@@ -81,6 +78,17 @@ def _apart(row, number, folder):
 
     codes = (0, 2, 3, 4, 130) if row == "command lines" else (0,)
     Child(do, folder / "said").wait(2.0 * SECONDS).expect(*codes)
+
+
+@functools.cache
+def _made_for_all():
+    """Make here what inputs are made of, once for all processes."""
+    _drawing()
+    _numbers()
+    _strip_at_work()
+    tiny.measured()
+    for name in FILMS | TOOLS:
+        sound(name)
 
 
 @contextmanager
