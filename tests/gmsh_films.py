@@ -1,8 +1,10 @@
-"""Discs meshed by Gmsh as a user would, in quads by several algorithms."""
+"""Films meshed by Gmsh as a user would, in quads by several algorithms."""
 
 from contextlib import contextmanager
 
-from shellcut import read_film
+import numpy as np
+
+from shellcut import mesh_from_outline, read_film
 
 RADIUS = 10.2
 
@@ -50,3 +52,13 @@ def gmsh_disc(path, algorithm, recombination, size, *, seed):
         gmsh.model.mesh.generate(2)
         gmsh.write(str(path))
     return read_film(path, unit="mm")
+
+
+def gmsh_strip(length, width, size):
+    """Return a strip from x = 0 whose long sides are the sets "bottom" and "top"."""
+    high = 0.5 * width
+    corners = [(0.0, -high), (length, -high), (length, high), (0.0, high)]
+    mesh = mesh_from_outline(corners, size=size)
+    y = mesh.nodes[:, 1]
+    sides = {"bottom": y < 1e-6 - high, "top": y > high - 1e-6}
+    return mesh.with_sets(node_sets={name: np.flatnonzero(on) for name, on in sides.items()})

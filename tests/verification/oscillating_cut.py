@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import shellcut as sc
 from courses import recorded
+from gmsh_films import gmsh_strip
 from shellcut.models.oscillating import (
     BAR_FILM,
     BAR_FRACTURE,
@@ -36,16 +37,6 @@ def turned(film, half, degrees=20.0):
     ends = np.clip(np.minimum(X[:, 0], L - X[:, 0]) / 4.0, 0.0, 1.0)
     X[:, 0] += np.tan(np.radians(degrees)) * np.clip(X[:, 1], -half, half) * ends
     return sc.Mesh.from_arrays(X, film.quads, node_sets=film.node_sets)
-
-
-def from_gmsh(length, width, size):
-    """Return a strip of Gmsh's quads."""
-    corners = [[0.0, y] for y in (-0.5 * width, 0.5 * width)]
-    corners = [*corners[:1], [length, -0.5 * width], [length, 0.5 * width], corners[1]]
-    film = sc.mesh_from_outline(corners, size=size)
-    y = film.nodes[:, 1]
-    sides = {"bottom": y < -0.5 * width + 1e-6, "top": y > 0.5 * width - 1e-6}
-    return film.with_sets(node_sets={name: np.flatnonzero(on) for name, on in sides.items()})
 
 
 def extremes(path, diameter):
@@ -120,7 +111,7 @@ def case_of(chosen):
     if chosen.mesh == "turned":
         film = turned(film, band)
     elif chosen.mesh == "gmsh":
-        film = from_gmsh(length, width, size)
+        film = gmsh_strip(length, width, size)
     return sc.oscillating(
         mesh=film,
         diameter=d,
