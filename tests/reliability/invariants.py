@@ -59,9 +59,7 @@ def inputs():
         contact=sc.Contact(penalty=1e4),
         damping_alpha=0.1,
         damping_beta=5e-8,
-        stepping=sc.Stepping(fixed=7e-8),  # round-off may move a change of the step
         imperfection=0,  # its phases depend on the place
-        threads=1,
     )
     mesh = sim.mesh
     nodes = mesh.nodes.copy()
@@ -81,6 +79,8 @@ def simulation(nodes, quads, sides, turn, shift):
     mesh = sc.Mesh.from_arrays(nodes @ turn.T + shift, quads)
     changed = {
         "mesh": mesh,
+        "stepping": sc.Stepping(fixed=7e-8),  # round-off may move a change of the step
+        "threads": 1,
         "supports": [sc.Support.clamped(sides)],
         "loads": [sc.Pressure(1e-3)],
         "tool": sc.Tool.from_triangles(place, blade.triangles, edges=blade.edges),
