@@ -32,6 +32,7 @@ from .trial import Child, Trial
 
 SHARE = 6
 SECONDS, MEMORY = 20, 3 << 30
+STUDY = Path(__file__).parents[2] / "examples" / "study.toml"
 REFUSED = "is refused in words, or read"
 DAMAGED = "`fuzz.py`; `tests/damaged`"
 ROWS = {
@@ -82,7 +83,8 @@ def _apart(row, number, folder):
 
 @functools.cache
 def _made_for_all():
-    """Make here what inputs are made of, once for all processes."""
+    """Make here what inputs are made of, and import what readers need, once for all processes."""
+    read_study(STUDY).plan()
     _drawing()
     _numbers()
     _strip_at_work()
@@ -128,9 +130,8 @@ def _numbers():
 
 
 def study_file(rng, folder):
-    text = (Path(__file__).parents[2] / "examples/study.toml").read_bytes()
     path = folder / "study.toml"
-    path.write_bytes(mutated(rng, text, text=True)[0])
+    path.write_bytes(mutated(rng, STUDY.read_bytes(), text=True)[0])
     with refusing_in_words():
         read_study(path).plan()
 
