@@ -1,6 +1,7 @@
 """A trial of a promise, and the process of its own in which it is made."""
 
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -93,17 +94,16 @@ class Child:
 
     def wait(self, seconds=120.0):
         """Wait for its end; a child that needs longer is ended, which is a failure."""
-        end = time.monotonic() + seconds
-        pause = 1e-3
-        while (found := os.waitpid(self.pid, os.WNOHANG))[0] == 0:
-            if time.monotonic() > end:
-                os.kill(self.pid, signal.SIGKILL)
-                os.waitpid(self.pid, 0)
-                raise TimeoutError(f"no end within {seconds:.0f} s")
-            time.sleep(pause)
-            pause = min(2 * pause, 0.02)
+        pidfd = os.pidfd_open(self.pid)
+        ended, _, _ = select.select([pidfd], [], [], seconds)
+        os.close(pidfd)
+        if not ended:
+            self.send(signal.SIGKILL)
+        _, status = os.waitpid(self.pid, 0)
+        if not ended:
+            raise TimeoutError(f"no end within {seconds:.0f} s")
         texts = [f.read_text(errors="replace") if f.exists() else "" for f in self._files]
-        return Done(os.waitstatus_to_exitcode(found[1]), *texts)
+        return Done(os.waitstatus_to_exitcode(status), *texts)
 
 
 def fresh(argv, folder, environment=(), options=(), **streams):
