@@ -77,7 +77,7 @@ def test_the_wheel_is_small_and_pure_and_all_that_it_needs_is_wheels(user):
         native = [n for n in content.namelist() if n.endswith((".so", ".pyd", ".dll", ".dylib"))]
     assert not native
     names = "print(*(p.metadata['Name'].lower() for p in importlib.metadata.distributions()))"
-    packages = user.python(f"import importlib.metadata; {names}").said.split()
+    packages = user.python(f"import importlib.metadata; {names}").stdout.split()
     for name in ("gmsh", "vtk", "pandas"):
         assert name not in packages
 
@@ -89,7 +89,7 @@ def test_the_import_takes_less_than_a_second(user):
         "print(time.perf_counter() - t, shellcut.__version__)"
     )
     # The least of five: what else runs on the machine only adds.
-    said = [user.python(text).said.split() for _ in range(5)]
+    said = [user.python(text).stdout.split() for _ in range(5)]
     best = min(float(seconds) for seconds, _ in said)
     assert best < 1.0
     assert re.fullmatch(r"\d+\.\d+\.\d+\S*", said[0][1])
@@ -97,8 +97,8 @@ def test_the_import_takes_less_than_a_second(user):
 
 @within(240, "environment")
 def test_the_main_job_with_nothing_compiled(user):
-    said = user.first_run.said
-    assert user.first_run.code == 0, said
+    said = user.first_run.stdout
+    assert user.first_run.returncode == 0, said
     # What a user sees: the model, what is compiled, progress; energies every 5 % in run.log.
     for pattern in (
         r"film +649 nodes, 612 quads with sides of .* 0\.074 mm thick",
@@ -135,11 +135,11 @@ def test_a_run_after_ctrl_c_and_resume_has_the_bits_of_the_uninterrupted_one(use
         return history.exists() and history.stat().st_size > half
 
     stopped = user.interrupted("run", *QUICK, "-o", "again", when=halfway)
-    assert stopped.code == 130, stopped.said
-    assert_said(stopped.said, "shellcut resume again")
-    assert re.search(r"stopped at (.+?);", stopped.said)
+    assert stopped.returncode == 130, stopped.stdout
+    assert_said(stopped.stdout, "shellcut resume again")
+    assert re.search(r"stopped at (.+?);", stopped.stdout)
     resumed = user.shellcut("resume", "again")
-    assert resumed.code == 0, resumed.said
+    assert resumed.returncode == 0, resumed.stdout
     for name in ("history.csv", "splits.csv"):
         assert (user.out / name).read_bytes() == (again / name).read_bytes()
     runs = (user.out, again)
@@ -192,9 +192,9 @@ def test_a_command(user, text, code, words, left, seconds):
     @within(seconds, "environment", *parts)
     def command(user):
         done = user.shellcut(*text.split())
-        assert done.code == code, done.said
-        assert_said(done.said, *words)
-        assert not re.search("Traceback|PROBLEM", done.said), done.said
+        assert done.returncode == code, done.stdout
+        assert_said(done.stdout, *words)
+        assert not re.search("Traceback|PROBLEM", done.stdout), done.stdout
         sizes = [(user.folder / name).stat().st_size for name in left]
         assert all(size > 1000 for size in sizes)
 

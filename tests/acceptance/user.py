@@ -8,7 +8,6 @@ import sys
 import time
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -19,14 +18,6 @@ QUICK = ("opening", "--set", "mesh=quick")
 _LIMIT = 600.0
 """No command takes longer [s]."""
 _NOT_SOURCES = shutil.ignore_patterns("__pycache__", "*.egg-info")
-
-
-class Finished(NamedTuple):
-    """A command that has ended."""
-
-    code: int
-    said: str
-    """Standard output and error."""
 
 
 class User:
@@ -87,7 +78,7 @@ class User:
         done = subprocess.run(
             command, cwd=self.folder, env=environ, timeout=_LIMIT, check=False, **self._streams
         )
-        return self._kept(command, done.returncode, done.stdout, start)
+        return self._kept(done, start)
 
     def pip(self, *arguments):
         quiet = ("-q", "--disable-pip-version-check")
@@ -119,15 +110,15 @@ class User:
             except BaseException:
                 process.kill()
                 raise
-        return self._kept(command, process.returncode, said, start)
+        return self._kept(subprocess.CompletedProcess(command, process.returncode, said), start)
 
-    def _kept(self, command, code, said, start):
+    def _kept(self, done, start):
         seconds = time.perf_counter() - start
         with self.log.open("a", encoding="utf-8") as log:
-            log.write(f"$ {' '.join(command)}\n{said}\n[{code}, {seconds:.1f} s]\n\n")
-        return Finished(code, said)
+            log.write(f"$ {' '.join(done.args)}\n{done.stdout}\n")
+            log.write(f"[{done.returncode}, {seconds:.1f} s]\n\n")
+        return done
 
 
 def _done(finished):
-    if finished.code:
-        raise RuntimeError(f"ended with {finished.code}:\n{finished.said.strip()[-2000:]}")
+    assert finished.returncode == 0, finished.stdout[-2000:]
