@@ -30,7 +30,7 @@ SAMPLES = [
     *islice(kills.trials(), 12, 14),
     *first(faults, *list(faults.ROWS)[:-1]),
     *first(fuzz, n=5),
-    *first(invariants),
+    *first(invariants, *invariants.CHANGED),
     *first(bits, "threads", "output", "verify"),
     *first(guards, *list(guards.ROWS)[:-1]),
     *first(supply, "licences", "network"),
