@@ -3,7 +3,7 @@
 import numpy as np
 
 import shellcut as sc
-from films import from_zero, shaken
+from films import free_film, from_zero, shaken
 from gmsh_films import gmsh_with
 from shellcut.mesh.film_file import read_film
 from shellcut.mesh.structured import rectangle
@@ -78,6 +78,25 @@ class Roll:
             advance=tuple(self.axis),
         )
         return screw, self.radius / self.sine
+
+
+TORN = sc.CohesiveLaw(opening_a=0.02, opening_p=0.05, opening_u=0.1)
+"""A law of a short process zone, for films without a blade."""
+
+
+def torn_across(mesh, notch, **options):
+    """Pull a strip along x, its node set "left" held, until a crack from a notch is through."""
+    held = {"translation": "xyz", "rotation": "xyz"}
+    pull = {"x": lambda time: 400.0 * min(1.0, time / 2e-4)}
+    supports = [sc.Support("left", **held), sc.Support("right", **held, velocity=pull)]
+    options = {"law": TORN, "damping_alpha": 2000.0, **options}
+    sim = free_film(mesh, supports=supports, **options)
+    sim.notch(*notch)
+    while sim.state.time < 6e-4 and sim.cracks.tips:
+        sim.step()
+    book = sim.close_ledger()
+    assert abs(book.relative(book.imbalance)) < 1e-3
+    return sim
 
 
 def strip_with_hole(length, width, size, hole):

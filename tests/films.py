@@ -1,19 +1,12 @@
 """Quad meshes that know nothing of the blade's path, made without a mesher."""
 
+import meshio
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay
 
-from shellcut import (
-    CohesiveLaw,
-    Fracture,
-    Mesh,
-    ShellMaterial,
-    Simulation,
-    StraightMotion,
-    Support,
-)
+import shellcut as sc
 
 
 def shaken(mesh, most, seed=1, size=1.0, held=None):
@@ -25,14 +18,14 @@ def shaken(mesh, most, seed=1, size=1.0, held=None):
     inside = np.setdiff1d(np.arange(mesh.n_node), mesh.boundary_nodes())
     inside = inside if held is None else np.setdiff1d(inside, held)
     X[inside, :2] += rng.uniform(-most, most, (inside.size, 2)) * size
-    return Mesh.from_arrays(X, mesh.quads, node_sets=dict(mesh.node_sets))
+    return sc.Mesh.from_arrays(X, mesh.quads, node_sets=dict(mesh.node_sets))
 
 
 def from_zero(mesh, *corner):
     """Return a mesh moved to begin at x = 0, or with its lowest coordinates at a corner."""
     start = mesh.nodes.min(axis=0)
     shift = np.append(start[: len(corner)] - corner, 0.0) if corner else [start[0], 0.0, 0.0]
-    return Mesh.from_arrays(mesh.nodes - shift, mesh.quads, node_sets=dict(mesh.node_sets))
+    return sc.Mesh.from_arrays(mesh.nodes - shift, mesh.quads, node_sets=dict(mesh.node_sets))
 
 
 def pieces(quads):
@@ -44,18 +37,18 @@ def pieces(quads):
 def free_film(mesh, **options):
     """Return a run of a film: the default film and law, and cracks through the quads."""
     usual = {
-        "material": ShellMaterial.homogeneous(),
-        "law": CohesiveLaw(),
-        "fracture": Fracture(path="free"),
+        "material": sc.ShellMaterial.homogeneous(),
+        "law": sc.CohesiveLaw(),
+        "fracture": sc.Fracture(path="free"),
     }
-    return Simulation(mesh, **usual | options)
+    return sc.Simulation(mesh, **usual | options)
 
 
 def cut_by(tool, mesh, speed, *, ramp=0.0, **options):
     """Return a run of a tool that goes along x through a film whose long sides are held."""
     usual = {
-        "supports": [Support.clamped("bottom"), Support.clamped("top")],
-        "motion": StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
+        "supports": [sc.Support.clamped("bottom"), sc.Support.clamped("top")],
+        "motion": sc.StraightMotion((1.0, 0.0, 0.0), speed=speed, ramp=ramp),
     }
     return free_film(mesh, tool=tool, **usual | options)
 
@@ -66,7 +59,9 @@ def unstructured_disc(radius=10.2, spacing=0.93, seed=0):
     angle = 2.0 * np.pi * np.arange(n_rim) / n_rim
     rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     n = int(np.ceil(1.25 * radius / spacing))
-    lattice = jittered_lattice(spacing, (-n, n), (-n, n), np.random.default_rng(seed))
+    i, j = np.meshgrid(np.arange(-n, n + 1), np.arange(-n, n + 1))
+    lattice = spacing * np.stack([i + 0.5 * j, np.sqrt(0.75) * j], axis=-1).reshape(-1, 2)
+    lattice += np.random.default_rng(seed).uniform(-0.12, 0.12, lattice.shape) * spacing
     inner = lattice[np.hypot(*lattice.T) < radius - 0.6 * spacing]
     points = np.concatenate([rim, inner])
     nodes, quads, middles = three_quads_a_triangle(points, Delaunay(points).simplices)
@@ -76,35 +71,21 @@ def unstructured_disc(radius=10.2, spacing=0.93, seed=0):
     middle = np.flatnonzero(on_rim) + len(points)
     nodes[middle] *= radius / np.hypot(*nodes[middle].T)[:, None]
     rim_nodes = np.flatnonzero(np.hypot(*nodes.T) > radius - 1e-6)
-    return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
+    return sc.Mesh.from_arrays(nodes, quads, node_sets={"rim": rim_nodes})
 
 
 def write_gmsh(path, film, *, rim, quads):
     """Write Gmsh's format 2.2, rim and quads as physical groups of these names."""
-    on_rim = set(film.node_set("rim").tolist())
-    sides = [
-        (a, b)
-        for quad in film.quads.tolist()
-        for a, b in zip(quad, quad[1:] + quad[:1], strict=True)
-        if a in on_rim and b in on_rim
-    ]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "2"]
-    lines += [f'1 1 "{rim}"', f'2 2 "{quads}"', "$EndPhysicalNames", "$Nodes", str(film.n_node)]
-    lines += [f"{k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(film.nodes.tolist(), 1)]
-    lines += ["$EndNodes", "$Elements", str(len(sides) + film.n_quad)]
-    lines += [f"{k} 1 2 1 1 {a + 1} {b + 1}" for k, (a, b) in enumerate(sides, 1)]
-    for k, quad in enumerate(film.quads.tolist(), 1 + len(sides)):
-        lines.append(f"{k} 3 2 2 1 " + " ".join(str(n + 1) for n in quad))
-    path.write_text("\n".join([*lines, "$EndElements", ""]))
-
-
-def jittered_lattice(spacing, columns, rows, rng):
-    """Return the points of a triangular lattice, each moved by up to 0.12 of the spacing."""
-    i, j = np.meshgrid(
-        np.arange(columns[0], columns[1] + 1), np.arange(rows[0], rows[1] + 1), indexing="xy"
+    sides = np.stack([film.quads, np.roll(film.quads, -1, axis=1)], axis=2).reshape(-1, 2)
+    sides = sides[np.isin(sides, film.node_set("rim")).all(axis=1)]
+    groups = [np.full(len(sides), 1), np.full(film.n_quad, 2)]
+    mesh = meshio.Mesh(
+        film.nodes,
+        [("line", sides), ("quad", film.quads)],
+        cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
+        field_data={rim: np.array([1, 1]), quads: np.array([2, 2])},
     )
-    lattice = spacing * np.stack([i + 0.5 * j, np.sqrt(0.75) * j], axis=-1).reshape(-1, 2)
-    return lattice + rng.uniform(-0.12, 0.12, lattice.shape) * spacing
+    meshio.write(path, mesh, file_format="gmsh22", binary=False)
 
 
 def three_quads_a_triangle(points, triangles):

@@ -1,10 +1,10 @@
-"""Discs meshed by Gmsh as a user would, in quads by several algorithms."""
+"""Films meshed by Gmsh as a user would, in quads by several algorithms."""
 
 from contextlib import contextmanager
 
 import numpy as np
 
-from shellcut import Mesh
+from shellcut import mesh_from_outline, read_film
 
 RADIUS = 10.2
 
@@ -27,43 +27,38 @@ def gmsh_with(**options):
         gmsh.finalize()
 
 
-def gmsh_disc(algorithm, recombination, size, *, seed=0):
-    """Return a disc with the set "rim", its whole boundary circle."""
+def gmsh_disc(path, algorithm, recombination, size, *, seed):
+    """Return a disc that Gmsh writes to a path; its boundary is the set "rim"."""
     with gmsh_with(
         Algorithm=algorithm,
         RandomSeed=seed + 1,
-        RandomFactor=1e-9 if seed == 0 else 1e-4 * seed,
+        RandomFactor=1e-4 * seed,
         MeshSizeMin=size,
         MeshSizeMax=size,
+        RecombineAll=1,
         RecombinationAlgorithm=recombination,
     ) as gmsh:
         shape = gmsh.model.occ
-        shape.addDisk(0.0, 0.0, 0.0, RADIUS, RADIUS)
-        shape.rotate(shape.getEntities(2), 0, 0, 0, 0, 0, 1, 0.37 * seed)
+        surface = shape.addDisk(0.0, 0.0, 0.0, RADIUS, RADIUS)
+        shape.rotate([(2, surface)], 0, 0, 0, 0, 0, 1, 0.37 * seed)
         shape.synchronize()
+        curves = [tag for _, tag in gmsh.model.getEntities(1)]
         # an odd number of nodes on a rim leaves triangles
-        for _, curve in gmsh.model.getEntities(1):
+        for curve in curves:
             n_pair = round(shape.getMass(1, curve) / size / 2)
             gmsh.model.mesh.setTransfiniteCurve(curve, 2 * n_pair + 1)
-        for _, surface in gmsh.model.getEntities(2):
-            gmsh.model.mesh.setRecombine(2, surface)
+        gmsh.model.addPhysicalGroup(1, curves, name="rim")
+        gmsh.model.addPhysicalGroup(2, [surface], name="film")
         gmsh.model.mesh.generate(2)
-        tags, places, _ = gmsh.model.mesh.getNodes()
-        types, _, corners = gmsh.model.mesh.getElements(2)
-    (kind,) = types
-    assert kind == 3, "triangles were left"
-    row = np.zeros(int(tags.max()) + 1, dtype=np.int64)
-    row[tags.astype(np.int64)] = np.arange(len(tags))
-    quads = row[corners[0].astype(np.int64).reshape(-1, 4)]
-    used, quads = np.unique(quads, return_inverse=True)
-    return _with_rim(places.reshape(-1, 3)[used, :2], quads.reshape(-1, 4))
+        gmsh.write(str(path))
+    return read_film(path, unit="mm")
 
 
-def _with_rim(nodes, quads):
-    p, q = nodes[quads[:, 2]] - nodes[quads[:, 0]], nodes[quads[:, 3]] - nodes[quads[:, 1]]
-    clockwise = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0] < 0.0
-    quads[clockwise] = quads[clockwise][:, ::-1]
-    boundary = Mesh.from_arrays(nodes, quads).boundary_nodes()
-    rim = boundary[np.hypot(*nodes[boundary].T) > 0.97 * RADIUS]
-    nodes[rim] *= (RADIUS / np.hypot(*nodes[rim].T))[:, None]  # middles of sides stood inside
-    return Mesh.from_arrays(nodes, quads, node_sets={"rim": rim})
+def gmsh_strip(length, width, size):
+    """Return a strip from x = 0 whose long sides are the sets "bottom" and "top"."""
+    high = 0.5 * width
+    corners = [(0.0, -high), (length, -high), (length, high), (0.0, high)]
+    mesh = mesh_from_outline(corners, size=size)
+    y = mesh.nodes[:, 1]
+    sides = {"bottom": y < 1e-6 - high, "top": y > high - 1e-6}
+    return mesh.with_sets(node_sets={name: np.flatnonzero(on) for name, on in sides.items()})

@@ -12,8 +12,8 @@ REFUSAL = "|".join(os.strerror(number) for number in (errno.ENOSPC, errno.EFBIG)
 
 
 @contextmanager
-def small_disk(folder, kilobytes):
-    """Make a folder a disk of its own, of so many kB; skip the test where one may not."""
+def small_disk(folder, kilobytes=6000):
+    """Make a folder a disk of its own, and yield it; skip the test where one may not."""
     folder.mkdir(exist_ok=True)
     mount = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
     try:
@@ -23,15 +23,9 @@ def small_disk(folder, kilobytes):
     if done.returncode:
         pytest.skip(f"needs the right to mount a disk: {done.stderr.strip()}")
     try:
-        yield
+        yield folder
     finally:
         subprocess.run(["umount", "-l", str(folder)], check=True)
-
-
-def enlarge(folder, kilobytes):
-    """Give the disk more room, without touching what is on it."""
-    more = ["mount", "-o", f"remount,size={kilobytes}k", str(folder)]
-    subprocess.run(more, check=True, capture_output=True)
 
 
 @contextmanager

@@ -1,6 +1,5 @@
 """A user with nothing but Python: a folder, a fresh virtual environment, no display."""
 
-import json
 import os
 import shutil
 import signal
@@ -9,7 +8,6 @@ import sys
 import time
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -20,23 +18,6 @@ QUICK = ("opening", "--set", "mesh=quick")
 _LIMIT = 600.0
 """No command takes longer [s]."""
 _NOT_SOURCES = shutil.ignore_patterns("__pycache__", "*.egg-info")
-
-
-class Finished(NamedTuple):
-    """A command that has ended."""
-
-    code: int
-    said: str
-    """Standard output and error."""
-    seconds: float
-
-
-class Environment(NamedTuple):
-    """The installed package."""
-
-    wheel: Path
-    seconds: float
-    """That pip took to install."""
 
 
 class User:
@@ -55,9 +36,8 @@ class User:
 
     @cached_property
     def environment(self):
-        """A fresh virtual environment with the wheel of this clone and the extra ``plot``."""
-        made = self.run(sys.executable, "-m", "venv", str(self._bin.parent))
-        _done(made)
+        """The wheel of this clone, installed with the extra ``plot`` into a fresh environment."""
+        _done(self.run(sys.executable, "-m", "venv", str(self._bin.parent)))
         # From a copy: a build leaves files in the folder, and takes up what an older one left.
         source, wheels = self.folder / "source", self.folder / "wheel"
         shutil.copytree(ROOT / "src", source / "src", ignore=_NOT_SOURCES)
@@ -66,9 +46,8 @@ class User:
         shutil.copytree(ROOT / ".ci", source / ".ci", ignore=_NOT_SOURCES)
         _done(self.pip("wheel", "--no-deps", "-w", str(wheels), str(source)))
         (wheel,) = wheels.glob("*.whl")
-        installed = self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]")
-        _done(installed)
-        return Environment(wheel, installed.seconds)
+        _done(self.pip("install", "--only-binary", ":all:", f"{wheel}[plot]"))
+        return wheel
 
     @cached_property
     def first_run(self):
@@ -88,7 +67,9 @@ class User:
         _ = self.environment
         folder = self.folder / "parts"
         folder.mkdir()
-        self.inside("write_parts.py", str(folder))
+        script = str(HERE / "write_parts.py")  # sees tests/films.py, too
+        python = str(self._bin / "python")
+        _done(self.run(python, script, str(folder), PYTHONPATH=str(HERE.parent)))
         return folder
 
     def run(self, *command, **environ):
@@ -97,7 +78,7 @@ class User:
         done = subprocess.run(
             command, cwd=self.folder, env=environ, timeout=_LIMIT, check=False, **self._streams
         )
-        return self._kept(command, done.returncode, done.stdout, start)
+        return self._kept(done, start)
 
     def pip(self, *arguments):
         quiet = ("-q", "--disable-pip-version-check")
@@ -108,18 +89,6 @@ class User:
 
     def python(self, text):
         return self.run(str(self._bin / "python"), "-c", text)
-
-    def inside(self, script, *arguments):
-        """Run a script of ``inside`` by the environment's Python; return the figures it prints.
-
-        The figures are the last line, in JSON. It sees the modules beside ``tests/films.py``.
-        """
-        command = str(self._bin / "python"), str(HERE / "inside" / script), *arguments
-        done = self.run(*command, PYTHONPATH=str(HERE.parent))
-        *_, last = ["", *done.said.strip().splitlines()]
-        if done.code:
-            raise RuntimeError(f"{script}: {last}")
-        return json.loads(last)
 
     def interrupted(self, *arguments, when):
         """Run the command ``shellcut`` and press Ctrl-C as soon as ``when()``."""
@@ -141,15 +110,15 @@ class User:
             except BaseException:
                 process.kill()
                 raise
-        return self._kept(command, process.returncode, said, start)
+        return self._kept(subprocess.CompletedProcess(command, process.returncode, said), start)
 
-    def _kept(self, command, code, said, start):
+    def _kept(self, done, start):
         seconds = time.perf_counter() - start
         with self.log.open("a", encoding="utf-8") as log:
-            log.write(f"$ {' '.join(command)}\n{said}\n[{code}, {seconds:.1f} s]\n\n")
-        return Finished(code, said, seconds)
+            log.write(f"$ {' '.join(done.args)}\n{done.stdout}\n")
+            log.write(f"[{done.returncode}, {seconds:.1f} s]\n\n")
+        return done
 
 
 def _done(finished):
-    if finished.code:
-        raise RuntimeError(f"ended with {finished.code}:\n{finished.said.strip()[-2000:]}")
+    assert finished.returncode == 0, finished.stdout[-2000:]

@@ -5,13 +5,9 @@ import numpy as np
 from .contact import rounded_depth, smoothed, smoothed_integral
 
 
-def planes_of(tool):
-    return tool.vertices[tool.triangles[:, 0]], tool.triangle_normals
-
-
 def depth_at(p, tool, radius):
     """Depth of p in a convex tool whose edges are rounded, and the outward direction."""
-    points, normals = planes_of(tool)
+    points, normals = tool.vertices[tool.triangles[:, 0]], tool.triangle_normals
     if ((points - p) * normals).sum(axis=1).min() <= 0.0:
         return 0.0, np.zeros(3)
     depth, out = rounded_depth(p, (points, normals), radius)

@@ -17,28 +17,24 @@ def law(opening_u):
     return CohesiveLaw(opening_a=0.5 * part, opening_p=3.0 * part, opening_u=opening_u)
 
 
-def guillotine_at(rungs):
-    return guillotine(0.8, length=20.0, notch=1.6, travel=14.4, law=law(rungs * 0.8))
-
-
-def opening_at(rungs):
-    return opening_test("quick", law=law(rungs * SIDE))
+STRIP = {"length": 20.0, "notch": 1.6, "travel": 14.4}
+CASES = {
+    "guillotine": lambda rungs: guillotine(0.8, **STRIP, law=law(rungs * 0.8)),
+    "opening test": lambda rungs: opening_test("quick", law=law(rungs * SIDE)),
+}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "case_at", "way", "first", "last"),
-    [
-        ("guillotine", guillotine_at, "path", 8.0, 15.0),
-        ("opening test", opening_at, "angle", 30.0, 68.0),
-    ],
+    ("name", "way", "first", "last"),
+    [("guillotine", "path", 8.0, 15.0), ("opening test", "angle", 30.0, 68.0)],
 )
-def test_it_costs_what_the_page_says(name, case_at, way, first, last, tmp_path):
+def test_it_costs_what_the_page_says(name, way, first, last, tmp_path):
     (_, *rungs), rows = table("docs/limits.md", "ℓ_U/s")
     (told,) = [row[1:] for row in rows if row[0] == name]
     found = []
     for one in map(float, rungs):
-        case = case_at(one)
+        case = CASES[name](one)
         assert (len(case.check.findings) > 0) == (one < 2.0)
         _, history = run(case, tmp_path / str(one))
         late = (history[way] > first) & (history[way] < last)

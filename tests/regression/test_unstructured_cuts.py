@@ -31,7 +31,7 @@ def check_opening(mesh, tmp_path):
 @pytest.mark.parametrize(("name", "seed"), [("frontal, blossom", 10), ("packing", 11)])
 def test_opening_on_gmsh_discs(name, seed, tmp_path):
     pytest.importorskip("gmsh")
-    check_opening(gmsh_disc(*DISCS[name], seed=seed), tmp_path)
+    check_opening(gmsh_disc(tmp_path / "disc.msh", *DISCS[name], seed=seed), tmp_path / "out")
 
 
 def test_opening_on_triangles_cut_in_three(tmp_path):

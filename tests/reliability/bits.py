@@ -19,23 +19,39 @@ ROWS = {
     "other process": (f"another process, NumPy level, BLAS and sum: {PROMISE}", ELSEWHERE),
     "kernels": (f"kernels compiled now, and for x86-64-v3: {PROMISE}", ELSEWHERE),
 }
-VARIED = [("threads", ["--set=threads=2"]), ("threads", ["--set=threads=4"]), ("verify", [])]
-VARIED += [("output", ["--set=output.frames=1"])]
-VARIED += [("output", ["--set=output.frames=60", "--set=output.snapshots=3"])]
+VARIED = [
+    ("threads", ["--set=threads=2"]),
+    ("threads", ["--set=threads=4"]),
+    ("output", ["--set=output.frames=1"]),
+    ("output", ["--set=output.frames=60", "--set=output.snapshots=3"]),
+]
 PROCESSES = {
     "other process": [of_level_three(), {"OPENBLAS_CORETYPE": "Haswell"}, {"PYTHONHASHSEED": "1"}],
     "kernels": [{}, {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}],
 }
 
 
-def same_when(row, more, name, folder):
+def trials():
+    for name in tiny.SHORT:
+        yield Trial("verify", name, functools.partial(verified, name))
+        for row, more in VARIED:
+            what = f"{name} {' '.join(more)}"
+            yield Trial(row, what, functools.partial(same_when, name, more))
+    for row, environments in PROCESSES.items():
+        for words in environments:
+            yield Trial(row, str(words), functools.partial(same_elsewhere, row, words))
+
+
+def verified(name, folder):
+    command(["verify", str(tiny.whole("run", name))], folder).expect(0)
+
+
+def same_when(name, more, folder):
     """Fail unless a short model with other words has the digest of the undisturbed run."""
-    reference, out = tiny.whole("run", name), folder / "out"
-    if row == "verify":
-        command(["verify", str(reference)], folder).expect(0)
-        return
+    out = folder / "out"
     command([*tiny.words("run", name), *more, "-o", str(out)], folder).expect(0)
-    digests = [json.loads((of / "summary.json").read_text())["digest"] for of in (out, reference)]
+    runs = out, tiny.whole("run", name)
+    digests = [json.loads((run / "summary.json").read_text())["digest"] for run in runs]
     assert digests[0] == digests[1]
 
 
@@ -49,21 +65,3 @@ def same_elsewhere(row, environment, folder):
 @functools.cache
 def here():
     return digests_of(["through quads"])
-
-
-TRIALS = [
-    (row, f"{name} {' '.join(more)}", functools.partial(same_when, row, more, name))
-    for name in tiny.SHORT
-    for row, more in VARIED
-]
-TRIALS += [
-    (row, str(words), functools.partial(same_elsewhere, row, words))
-    for row, environments in PROCESSES.items()
-    for words in environments
-]
-COUNT = len(TRIALS)
-
-
-def trial(number):
-    """Return one of the trials."""
-    return Trial(*TRIALS[number])

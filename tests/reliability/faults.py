@@ -13,14 +13,12 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import shellcut.recording.recorder
-from damaged.mutations import mutated
 from shellcut.files import file_lock
 from shellcut.files.folder_lock import LOCK
 from shellcut.recording.recorder import Recorder
@@ -28,7 +26,7 @@ from small_disk import small_disk
 
 from . import tiny
 from .kills import continued
-from .trial import Child, Impossible, Trial, at_each_write, begin, command, fresh, often_saved
+from .trial import Trial, at_each_write, begin, command, fresh, of_the_suite, often_saved
 
 SHARE = 9
 KEPT = "ends with its exit code and words, and continues to the undisturbed result"
@@ -47,22 +45,21 @@ PROMISES = {
     "lost process": f"a study whose process or Dask worker dies {SAME}",
 }
 ROWS = {row: (promise, "`faults.py`") for row, promise in PROMISES.items()}
-FAULTS = []  # (row, what, do)
+FAULTS = []
 
 
-def fault(row, what, *given):
+def fault(row, what, *given, **named):
     """Add a function as a fault; what is given goes before the folder."""
 
     def add(do):
-        FAULTS.append((row, what, functools.partial(do, *given)))
+        FAULTS.append(Trial(row, what, functools.partial(do, *given, **named)))
         return do
 
     return add
 
 
-def trial(number):
-    """Return one of the faults."""
-    return Trial(*FAULTS[number])
+def trials():
+    return FAULTS
 
 
 def strip(folder, *more, name="out"):
@@ -126,19 +123,6 @@ def refuses(argv, folder, said):
     assert not changed, f"changed: {changed}"
 
 
-# ---------------------------------------------------------------- disks
-
-
-@contextmanager
-def disk(folder, kilobytes=6000):
-    """Give a small disk of its own."""
-    try:
-        with small_disk(folder / "disk", kilobytes):
-            yield folder / "disk"
-    except pytest.skip.Exception as reason:
-        raise Impossible(str(reason)) from None
-
-
 def fill(place):
     """Fill a disk up to the last byte."""
     file = os.open(place / "filler", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
@@ -174,7 +158,7 @@ def full_at(place, name, n):
 @fault("disk full", "at the summary", "run", "summary", 1)
 @fault("disk full", "at the table of a study", "sweep", "table", 1)
 def full_disk(kind, name, n, folder):
-    with disk(folder) as place:
+    with small_disk(folder / "disk") as place:
         out = place / "out"
         argv = [*tiny.words(kind), "-o", str(out)]
         command(argv, folder, lambda: full_at(place, name, n)).expect(2, 4)
@@ -185,7 +169,7 @@ def full_disk(kind, name, n, folder):
 @fault("disk full", "at the report", "report", "report.html")
 @fault("disk full", "at the page to turn", "view", "view.html")
 def full_page(word, name, folder):
-    with disk(folder) as place:
+    with small_disk(folder / "disk") as place:
         out = shutil.copytree(tiny.whole("run"), place / "out")
         fill(place)
         command([word, str(out)], folder).expect(2, 4)
@@ -197,7 +181,7 @@ def full_page(word, name, folder):
 @fault("disk full", "at the temporary folder of verify")
 def full_verify(folder):
     argv = ["verify", str(tiny.whole("run"))]
-    with disk(folder, 100) as place:
+    with small_disk(folder / "disk", 100) as place:
         command(argv, folder, lambda: setattr(tempfile, "tempdir", str(place))).expect(2, 4)
 
 
@@ -206,9 +190,6 @@ def full_output(folder):
     with open("/dev/full", "w") as full:
         fresh(strip(folder), folder, stdout=full, stderr=full)
     tiny.assert_same(folder / "out", "run")
-
-
-# ---------------------------------------------------------------- folders, files, rights
 
 
 @fault("folder or file lost", "folder removed", shutil.rmtree)
@@ -285,7 +266,7 @@ def of_another(folder):
 
 @fault("rights", "read-only disk")
 def read_only_disk(folder):
-    with disk(folder) as place:
+    with small_disk(folder / "disk") as place:
         out = part(place)
         subprocess.run(["mount", "-o", "remount,ro", str(place)], check=True)
         refuses(["resume", str(out)], out, "Read-only file system")
@@ -296,15 +277,12 @@ def read_only_disk(folder):
 @fault("rights", "read-only kernels, home and folder of Matplotlib")
 def read_only_home(folder):
     if (kernels := os.environ.get("NUMBA_CACHE_DIR")) is None:
-        raise Impossible("needs NUMBA_CACHE_DIR, a folder of kernels to copy")
-    with disk(folder, 1_000_000) as place:
+        pytest.skip("needs NUMBA_CACHE_DIR, a folder of kernels to copy")
+    with small_disk(folder / "disk", 1_000_000) as place:
         shutil.copytree(kernels, place / "kernels")
         subprocess.run(["mount", "-o", "remount,ro", str(place)], check=True)
         words = dict.fromkeys(("HOME", "MPLCONFIGDIR", "XDG_CACHE_HOME"), str(place))
-        environment({**words, "NUMBA_CACHE_DIR": str(place / "kernels")}, {}, folder)
-
-
-# ---------------------------------------------------------------- two runs, locks, clocks
+        environment(folder, **words, NUMBA_CACHE_DIR=str(place / "kernels"))
 
 
 @fault("two runs", "run", "run")
@@ -348,17 +326,17 @@ def files_of_the_future(folder):
     goes_on(out, folder)
 
 
-# ---------------------------------------------------------------- checkpoints of elsewhere
-
-FOREIGN = {
-    "of another format": lambda content: content.replace(b"format ", b"format 9", 1),
-    "of half its length": lambda content: content[: len(content) // 2],
-    "damaged": lambda content: mutated(np.random.default_rng(1), content, text=False)[0],
-    "empty": lambda _: b"",
-    "of another model": lambda _: (tiny.whole("run", "disc") / "checkpoint.h5").read_bytes(),
-}
+def of_another_model(_):
+    return (tiny.whole("run", "disc") / "checkpoint.h5").read_bytes()
 
 
+FOREIGN = "foreign checkpoint"
+
+
+@fault(FOREIGN, "of another format", lambda content: content.replace(b"format ", b"format 9", 1))
+@fault(FOREIGN, "of half its length", lambda content: content[: len(content) // 2])
+@fault(FOREIGN, "empty", lambda _: b"")
+@fault(FOREIGN, "of another model", of_another_model)
 def foreign_checkpoint(change, folder):
     out = part(folder)
     checkpoint = out / "checkpoint.h5"
@@ -369,38 +347,28 @@ def foreign_checkpoint(change, folder):
     goes_on(out, folder)
 
 
-for _what, _change in FOREIGN.items():
-    fault("foreign checkpoint", _what, _change)(foreign_checkpoint)
-
-
-# ---------------------------------------------------------------- environments
-
-ENVIRONMENTS = {
-    "locale C, ASCII": {"LC_ALL": "C", "LANG": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
-    "no HOME": {"HOME": None, "MPLCONFIGDIR": None, "XDG_CACHE_HOME": None},
-    "no TZ": {"TZ": None},
-    "a TZ that is none": {"TZ": "Nowhere/Land"},
-    "warnings are errors": {"PYTHONWARNINGS": "error"},
-    "no such backend of Matplotlib": {"MPLBACKEND": "nonsense"},
-    "no such folder for temporary files": {"TMPDIR": "/nowhere"},
-    "four threads of every library": {"OMP_NUM_THREADS": "4", "OPENBLAS_NUM_THREADS": "4"},
-}
-
-
-def environment(words, options, folder):
+@fault("environment", "locale C", LC_ALL="C", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
+@fault("environment", "no HOME", HOME=None, MPLCONFIGDIR=None, XDG_CACHE_HOME=None)
+@fault("environment", "no TZ", TZ=None)
+@fault("environment", "a TZ that is none", TZ="Nowhere/Land")
+@fault("environment", "warnings are errors", PYTHONWARNINGS="error")
+@fault("environment", "no such backend of Matplotlib", MPLBACKEND="nonsense")
+@fault("environment", "no such folder for temporary files", TMPDIR="/nowhere")
+@fault("environment", "four threads of libraries", OMP_NUM_THREADS="4", OPENBLAS_NUM_THREADS="4")
+def environment(folder, **variables):
     """Run the strip in a process that begins anew."""
-    done = fresh(strip(folder), folder, words, **options)
+    another_process(folder, environment=variables)
+
+
+@fault("environment", "no docstrings (-OO)", options=["-OO"])
+@fault("environment", "umask 077", umask=0o077)
+@fault("environment", "closed standard input", preexec_fn=functools.partial(os.close, 0))
+@fault("environment", "closed standard output", preexec_fn=functools.partial(os.close, 1))
+@fault("environment", "closed standard error", preexec_fn=functools.partial(os.close, 2))
+def another_process(folder, **options):
+    done = fresh(strip(folder), folder, **options)
     assert done.code == 0, done
     tiny.assert_same(folder / "out", "run")
-
-
-for _what, _words in ENVIRONMENTS.items():
-    fault("environment", _what, _words, {})(environment)
-fault("environment", "no docstrings (-OO)", {}, {"options": ["-OO"]})(environment)
-fault("environment", "umask 077", {}, {"umask": 0o077})(environment)
-for _number, _what in ((0, "input"), (1, "output"), (2, "error")):
-    _closed = {"preexec_fn": functools.partial(os.close, _number)}
-    fault("environment", f"closed standard {_what}", {}, _closed)(environment)
 
 
 @fault("environment", "decimal comma")
@@ -409,7 +377,7 @@ def decimal_comma(folder):
 
     made = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / "de_DE.UTF-8")]
     if not shutil.which("localedef") or subprocess.run(made, capture_output=True).returncode:
-        raise Impossible("localedef cannot make de_DE here")
+        pytest.skip("localedef cannot make de_DE here")
 
     def before():
         os.environ["LOCPATH"] = str(folder)
@@ -417,9 +385,6 @@ def decimal_comma(folder):
         assert locale.localeconv()["decimal_point"] == ","
 
     undisturbed(folder, before)
-
-
-# ---------------------------------------------------------------- limits, paths, processes
 
 
 @fault("limits", "size of files")
@@ -469,17 +434,13 @@ def processor_time(folder):
         command([word, str(folder / "out")], folder).expect(0)
 
 
-PATHS = {
-    "spaces": "my film, the 2nd try",
-    "umlauts": "Öffnungsversuch für Käse/日本",
-    "200 characters": "x" * 200,
-    "patterns": "[a]*?{b}%s$HOME",
-    "a line break": "two\nlines",
-    "a leading dash": "-film",
-    "bytes that are no text": os.fsdecode(b"film\xff\xfe"),
-}
-
-
+@fault("paths", "spaces", "my film, the 2nd try")
+@fault("paths", "umlauts", "Öffnungsversuch für Käse/日本")
+@fault("paths", "200 characters", "x" * 200)
+@fault("paths", "patterns", "[a]*?{b}%s$HOME")
+@fault("paths", "a line break", "two\nlines")
+@fault("paths", "a leading dash", "-film")
+@fault("paths", "bytes that are no text", os.fsdecode(b"film\xff\xfe"))
 def path(name, folder):
     (folder / name).parent.mkdir(exist_ok=True)
     out = part(folder).rename(folder / name)
@@ -489,10 +450,6 @@ def path(name, folder):
     undisturbed(folder, name=f"{name} again")
 
 
-for _what, _name in PATHS.items():
-    fault("paths", _what, _name)(path)
-
-
 @fault("paths", "a link to a folder")
 def link(folder):
     (folder / "real").mkdir()
@@ -500,33 +457,7 @@ def link(folder):
     undisturbed(folder)
 
 
-@fault("lost process", "a process of a study")
-def study_process(folder):
-    argv = [word.replace("--jobs=1", "--jobs=2") for word in tiny.words("sweep")]
-    child = begin([*argv, "-o", str(folder / "out")], folder)
-    end, killed = time.monotonic() + 60, 0
-    while not killed and time.monotonic() < end:
-        for file in Path(f"/proc/{child.pid}/task").glob("*/children"):
-            for one in file.read_text().split() if any(folder.rglob("history.csv")) else ():
-                os.kill(int(one), signal.SIGKILL)
-                killed += 1
-        time.sleep(0.01)
-    child.wait().expect(0)
-    assert killed
-    tiny.assert_same(folder / "out", "sweep")
-
-
-@fault("lost process", "a Dask worker, and then the scheduler")
-def dask_worker(folder):
-    try:
-        import distributed  # noqa: F401
-    except ImportError as missing:
-        raise Impossible(str(missing)) from None
-    from test_study_on_dask import (
-        test_a_study_outlives_a_worker_and_goes_on_after_its_scheduler as outlives,
-    )
-
-    Child(lambda: outlives(folder), folder / "said").wait(240).expect(0)
-
-
-COUNT = len(FAULTS)
+KILLED = "test_study.py::test_processes_give_the_same_table_though_one_is_killed"
+fault("lost process", "a process of a study", f"regression/{KILLED}")(of_the_suite)
+DASK = "a Dask worker, and then the scheduler"
+fault("lost process", DASK, "regression/test_study_on_dask.py")(of_the_suite)

@@ -1,8 +1,8 @@
 """Damaged files, and arguments at random: each is refused in words, or used and right.
 
 An input is damaged as :mod:`damaged.mutations` does. A traceback, another error than the one that
-is documented, a process that dies, no end, or a wrong value that nobody notices is a failure. Some
-inputs share a process of their own, which has a limit of memory; each has a limit of time.
+is documented, a process that dies, no end, or a wrong value that nobody notices is a failure. Each
+input has a process of its own, with limits of memory and time.
 """
 
 import functools
@@ -10,9 +10,10 @@ import os
 import resource
 import shutil
 import signal
-import traceback
+import sys
 import warnings
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -27,97 +28,78 @@ from shellcut.recording.checkpoint import CheckpointError
 from shellcut.study.study_file import read_study
 
 from . import tiny
-from .trial import TRACEBACK, Batch, Child, Trial
+from .trial import Child, Trial
 
 SHARE = 6
-COUNT = None
-SECONDS, MEMORY = 20.0, 3 << 30
-BATCH = {
-    "results": 10,
-    "study files": 40,
-    "command lines": 4,
-    "model files": 25,
-    "numbers of models": 25,
-}
-MANY = 80  # inputs that one process tries, of the kinds that are not in BATCH
+SECONDS, MEMORY = 20, 3 << 30
+STUDY = Path(__file__).parents[2] / "examples" / "study.toml"
 REFUSED = "is refused in words, or read"
-_MESH = "`fuzz.py`; `tests/damaged`"
+DAMAGED = "`fuzz.py`; `tests/damaged`"
 ROWS = {
     "model files": (f"a damaged model file {REFUSED} and built", "`fuzz.py`"),
     "numbers of models": (
         "a number that nobody means is refused in words, or makes a model that steps",
         "`tests/model_numbers.py`",
     ),
-    "study files": (f"a damaged study file {REFUSED}", "`fuzz.py`; `tests/damaged`"),
-    "meshes": (f"a damaged film or tool {REFUSED}; what declares its counts is whole", _MESH),
-    "drawings": (f"a damaged DXF file {REFUSED}", _MESH),
-    "curves": (f"a damaged table of a measured curve or motion {REFUSED}", _MESH),
-    "checkpoints": ("every damage of a checkpoint is noticed", _MESH),
-    "results": (f"a damaged file of a run {REFUSED}; a damaged frame is noticed", _MESH),
-    "command lines": ("a damaged command line ends with its exit code, without traceback", _MESH),
-    "arguments": ("an argument at random raises ValueError or TypeError; NaN is refused", _MESH),
+    "study files": (f"a damaged study file {REFUSED}", DAMAGED),
+    "meshes": (f"a damaged film or tool {REFUSED}; what declares its counts is whole", DAMAGED),
+    "drawings": (f"a damaged DXF file {REFUSED}", DAMAGED),
+    "curves": (f"a damaged table of a measured curve or motion {REFUSED}", DAMAGED),
+    "checkpoints": ("every damage of a checkpoint is noticed", DAMAGED),
+    "results": (f"a damaged file of a run {REFUSED}; a damaged frame is noticed", DAMAGED),
+    "command lines": ("a damaged command line ends with its exit code, without traceback", DAMAGED),
+    "arguments": ("an argument at random raises ValueError or TypeError; NaN is refused", DAMAGED),
 }
-KINDS = [*ROWS]
 COUNTED = [name for name in FILMS | TOOLS if name.split()[0] in ("Gmsh", "VTU", "VTK", "PLY")]
+RARE = {"command lines": 1, "results": 2, "model files": 6, "numbers of models": 6}
+OFTEN = 20
+"""How many inputs of a kind are tried in turn: the fewer, the longer one takes."""
 
 
-def trial(number):
-    """Return a trial: some inputs of a kind, damaged."""
-    row = KINDS[number % len(KINDS)]
-    return Trial(row, f"damaged {row}", functools.partial(_apart, row, number))
+def trials():
+    for turn in count():
+        for row in ROWS:
+            n = RARE.get(row, OFTEN)
+            for number in range(n * turn, n * (turn + 1)):
+                yield Trial(row, f"damaged {row}", functools.partial(_apart, row, number))
 
 
 def _apart(row, number, folder):
-    """Try some inputs in a process of their own, command lines each in its own."""
-    _prepared(row)
-    n = BATCH.get(row, MANY)
-    if row == "command lines":
-        for k in range(n):
-            command_line(np.random.default_rng([60, number, k]), folder)
-        return Batch(n, [])
-    record = folder / "record"
-    do = functools.partial(_inputs, row, number, n, folder, record)
-    Child(do, folder / "said").wait(SECONDS * n)
-    *ended, last = record.read_text().split("\0")
-    failures = [text for text in ended if text]
-    if len(ended) < n:  # the process died
-        failures.append(f"input {len(ended)}: the process died; {last}")
-    return Batch(min(len(ended) + 1, n), failures)
+    """Try an input in a process of its own."""
+    _made_for_all()
 
+    def do():
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, used + MEMORY))
+        # Some command lines are runs of hours: they are interrupted.
+        signal.signal(signal.SIGALRM, lambda *_: os.kill(os.getpid(), signal.SIGINT))
+        signal.alarm(SECONDS)
+        warnings.simplefilter("ignore")
+        return OF[row](np.random.default_rng([60, number]), folder)
 
-def _inputs(row, number, n, folder, record):
-    """Try the inputs of a batch; write of each why it failed, empty if it did not."""
-    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, used + MEMORY))
-    warnings.simplefilter("ignore")
-    signal.signal(signal.SIGALRM, _too_long)
-    with record.open("w") as file:
-        for k in range(n):
-            mine = folder / str(k)
-            mine.mkdir()
-            signal.alarm(int(SECONDS))
-            try:
-                OF[row](np.random.default_rng([60, number, k]), mine)
-            except Exception:
-                file.write(f"input {k}: {traceback.format_exc()}")
-            signal.alarm(0)
-            shutil.rmtree(mine)
-            file.write("\0")
-            file.flush()
-
-
-def _too_long(*_):
-    raise TimeoutError(f"no end within {SECONDS:.0f} s")
+    codes = (0, 2, 3, 4, 130) if row == "command lines" else (0,)
+    Child(do, folder / "said").wait(2.0 * SECONDS).expect(*codes)
 
 
 @functools.cache
-def _prepared(row):
-    """Load here what every process of a kind needs."""
-    if row == "drawings":
-        _drawing()
-    if row in ("results", "checkpoints", "command lines"):
-        tiny.whole("run", "guillotine")
-        _strip_at_work()
+def _made_for_all():
+    """Make here what inputs are made of, and import what readers need, once for all processes."""
+    read_study(STUDY).plan()
+    _drawing()
+    _numbers()
+    _strip_at_work()
+    tiny.measured()
+    for name in FILMS | TOOLS:
+        sound(name)
+
+
+@contextmanager
+def refusing_in_words(errors=ValueError):
+    """Let what is within end, or refuse its input in words."""
+    try:
+        yield
+    except errors as refusal:
+        in_words(refusal)
 
 
 def in_words(refusal, path=""):
@@ -125,9 +107,6 @@ def in_words(refusal, path=""):
     said = str(refusal).removeprefix(str(path))
     assert len(said.split()) > 2, "words, not the bare name of an error"
     return said
-
-
-# ---------------------------------------------------------------- model and study files
 
 
 def model_file(rng, folder):
@@ -151,16 +130,10 @@ def _numbers():
 
 
 def study_file(rng, folder):
-    text = (Path(__file__).parents[2] / "examples/study.toml").read_bytes()
     path = folder / "study.toml"
-    path.write_bytes(mutated(rng, text, text=True)[0])
-    try:
+    path.write_bytes(mutated(rng, STUDY.read_bytes(), text=True)[0])
+    with refusing_in_words():
         read_study(path).plan()
-    except ValueError as refusal:
-        in_words(refusal)
-
-
-# ---------------------------------------------------------------- meshes, drawings, curves
 
 
 def cells_of(path, name):
@@ -208,11 +181,8 @@ def _drawing():
 def drawing(rng, folder):
     path = folder / "plate.dxf"
     path.write_bytes(mutated(rng, _drawing(), text=True)[0])
-    try:
-        found = sc.read_drawing(path)
-        assert np.isfinite(found.area)
-    except ValueError as refusal:
-        in_words(refusal)
+    with refusing_in_words():
+        assert np.isfinite(sc.read_drawing(path).area)
 
 
 CURVE = "path [mm]; force [N]; note\n" + "".join(
@@ -225,17 +195,12 @@ def curve(rng, folder):
     path = folder / "curve.csv"
     text = (CURVE, MOTION)[rng.integers(2)]
     path.write_bytes(mutated(rng, text.encode(), text=True)[0])
-    try:
+    with refusing_in_words():
         if text == CURVE:
             found = sc.read_measured_curve(path)
             assert np.isfinite([found.x, found.y]).all()
         else:
             sc.TableMotion.read_csv(path)
-    except ValueError as refusal:
-        in_words(refusal)
-
-
-# ---------------------------------------------------------------- what runs have written
 
 
 @functools.cache
@@ -275,24 +240,14 @@ def results(rng, folder):
     content = (out / name).read_bytes()
     (out / name).write_bytes(mutated(rng, content, text=not name.endswith("hdf"))[0])
     good = [frame.points for frame in sc.read(reference).frames()]
-    try:
+    with refusing_in_words((ValueError, OSError, KeyError)):
         found = sc.read(out)
         found.summary, found.history["time"]
-        frames = list(found.frames())
-    except (ValueError, OSError, KeyError) as refusal:
-        in_words(refusal)
-    else:
-        same = [np.array_equal(a.points, b) for a, b in zip(frames, good, strict=False)]
+        same = [np.array_equal(a.points, b) for a, b in zip(found.frames(), good, strict=False)]
         assert all(same), "a damaged frame was read"
-    if rng.integers(8):  # it takes a second
-        return
-    try:
-        sc.report_run(out)
-    except (ValueError, OSError) as refusal:
-        in_words(refusal)
-
-
-# ---------------------------------------------------------------- command lines and arguments
+    if rng.integers(8) == 0:  # it takes a second
+        with refusing_in_words((ValueError, OSError)):
+            sc.report_run(out)
 
 
 def _command_lines():
@@ -314,16 +269,9 @@ def command_line(rng, folder):
     for _ in range(rng.integers(1, 4)):
         text, _ = mutated(rng, text, text=True)
     words = [os.fsdecode(word) for word in text.split(b"\n")]
-
-    def do():
-        os.chdir(folder)
-        warnings.simplefilter("ignore")
-        return main(words)
-
-    child = Child(do, folder / "said")
-    done = child.wait(SECONDS, end=signal.SIGINT)  # some of them are runs of hours
-    assert done.code in (0, 2, 3, 4, 130), f"{words}: {done}"
-    assert TRACEBACK not in done.error, f"{words}: {done.error[-1500:]}"
+    print(words, file=sys.stderr)
+    os.chdir(folder)
+    return main(words)
 
 
 _NAN = float("nan")
@@ -379,5 +327,6 @@ OF = {
     "curves": curve,
     "checkpoints": checkpoint,
     "results": results,
+    "command lines": command_line,
     "arguments": argument,
 }

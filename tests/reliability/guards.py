@@ -8,7 +8,7 @@ from shellcut.formats.budget import LIMITS
 from shellcut.simulation.instability import StabilityGuard
 
 from . import tiny
-from .trial import Child, Trial, command
+from .trial import Child, Trial, command, of_the_suite
 
 SHARE = 1
 ROWS = {
@@ -25,12 +25,6 @@ def ends(keys, code, said, folder):
     words = [*tiny.words("run", "guillotine"), *keys.split(), "-o", str(folder / "out")]
     done = command(words, folder).expect(code)
     assert said in done.out + done.error, done.error
-
-
-def balance(folder):
-    from test_instability import test_a_user_who_steps_by_hand_is_told_too as by_hand
-
-    Child(by_hand, folder / "said").wait().expect(0)
 
 
 def entities(folder):
@@ -88,22 +82,14 @@ RUNS = [
     ("--set=threads=100000", 2, "threads"),
     ("--set=output.rows=99999999999", 2, "rows"),
 ]
-GUARDS = [
-    (
-        f"guards {'in' if code == 3 else 'before'} a run",
-        keys,
-        functools.partial(ends, keys, code, said),
-    )
-    for keys, code, said in RUNS
-]
-GUARDS += [
-    ("guards in a run", "energy from nowhere", balance),
-    ("guards of readers", "a drawing with too many points", entities),
-    ("cost of the guards", f"share of {N_STEP} steps on M1", cost),
-]
-COUNT = len(GUARDS)
+BY_HAND = "unit/test_instability.py::test_a_user_who_steps_by_hand_is_told_too"
 
 
-def trial(number):
-    """Return a guard to trip."""
-    return Trial(*GUARDS[number])
+def trials():
+    for keys, code, said in RUNS:
+        row = "guards in a run" if code == 3 else "guards before a run"
+        yield Trial(row, keys, functools.partial(ends, keys, code, said))
+    of_a_balance = functools.partial(of_the_suite, BY_HAND)
+    yield Trial("guards in a run", "energy from nowhere", of_a_balance)
+    yield Trial("guards of readers", "a drawing with too many points", entities)
+    yield Trial("cost of the guards", f"share of {N_STEP} steps on M1", cost)

@@ -8,28 +8,29 @@ two change no bit.
 """
 
 import functools
+from itertools import count
 
 import numpy as np
 
+import notched_strip
 import shellcut as sc
+import test_scales
 from scaled import Factors
-from shellcut.mesh.structured import rectangle
-from shellcut.tool.shapes import straight_blade
 
-from .trial import Trial
+from .trial import Trial, of_the_suite
 
 SHARE = 1
 SIZE, N_STEP = 3.2, 600
 DEEPEST = 1e-4  # mm: contact is deeper than this when forces count
+SAME = "positions and energies are the same to round-off"
 ROWS = {
-    name: (f"{what}: positions and energies are the same to round-off", "`invariants.py`")
-    for name, what in {
-        "turned": "film, tool and motion turned about any axis",
-        "shifted": "all moved by up to 100 mm",
-        "mirrored": "the film mirrored in the plane of the blade",
-        "renumbered": "nodes and quads in another order, quads begun at another corner",
-    }.items()
-} | {
+    "turned": (f"film, tool and motion turned about any axis: {SAME}", "`invariants.py`"),
+    "shifted": (f"all moved by up to 100 mm: {SAME}", "`invariants.py`"),
+    "mirrored": (f"the film mirrored in the plane of the blade: {SAME}", "`invariants.py`"),
+    "renumbered": (
+        f"nodes and quads in another order, quads begun at another corner: {SAME}",
+        "`invariants.py`",
+    ),
     "other units": (
         "lengths, times, stresses times powers of two: bit for bit",
         "`tests/scaled.py`",
@@ -39,60 +40,57 @@ ROWS = {
         "`tests/unit/test_symmetry_plane.py`",
     ),
 }
-RANDOM = [row for row in ROWS if row != "halves"]
-COUNT = None
+CHANGED = [row for row in ROWS if row != "halves"]
+HALVES = "unit/test_symmetry_plane.py::test_a_quarter_is_the_whole_to_round_off"
 
 
-def trial(number):
-    """Return a trial: a change at random."""
-    if number == 0:
-        return Trial("halves", "static", _halves)
-    row = RANDOM[number % len(RANDOM)]
-    rng = np.random.default_rng([61, number])
-    return Trial(row, f"{row} by seed {number}", functools.partial(_same, row, rng))
+def trials():
+    yield Trial("halves", "static", functools.partial(of_the_suite, HALVES))
+    for number in count(1):
+        row, rng = CHANGED[number % len(CHANGED)], np.random.default_rng([61, number])
+        same = same_in_other_units if row == "other units" else functools.partial(same_but, row)
+        yield Trial(row, f"{row} by seed {number}", functools.partial(same, rng))
 
 
-def film():
-    """Return a notched film without symmetry."""
-    mesh = rectangle(SIZE, 1.6, n_x=8, n_y=4).cut([18, 19])
+@functools.cache
+def inputs():
+    """Return those of a cut, and its film's nodes without symmetry, quads and held sides."""
+    sim = notched_strip.cutting(
+        contact=sc.Contact(penalty=1e4),
+        damping_alpha=0.1,
+        damping_beta=5e-8,
+        imperfection=0,  # its phases depend on the place
+    )
+    mesh = sim.mesh
     nodes = mesh.nodes.copy()
-    inside = np.setdiff1d(np.arange(len(nodes)), mesh.boundary_nodes())
     middle = np.abs(nodes[:, 1]) < 1e-9
     nodes[middle, 1] += 0.012  # in the plane of the blade, round-off decides on the side
-    inside = inside[~middle[inside]]
+    inside = np.setdiff1d(np.flatnonzero(~middle), mesh.boundary_nodes())
     nodes[inside, :2] += np.random.default_rng(7).uniform(-0.06, 0.06, (len(inside), 2))
-    sides = [*mesh.node_set("bottom"), *mesh.node_set("top")]
-    return nodes, mesh.quads, np.array(sides)
+    return sim.inputs, (nodes, mesh.quads, mesh.node_set("sides"))
 
 
-def simulation(nodes, quads, sides, f=Factors(), turn=np.eye(3), shift=np.zeros(3)):  # noqa: B008
-    """Return a cut of the film, turned, then moved, in the units of the factors."""
-    blade = straight_blade(half_thickness=0.1, length=2.0, height=2.0)
+def simulation(nodes, quads, sides, turn, shift):
+    """Return the cut of a film, turned, then moved."""
+    given, _ = inputs()
     start = [-0.05, 0.0, 0.0]  # on a node, round-off decides whether the tool is outside
+    blade = given["tool"]
     place = (blade.vertices + start) @ turn.T + shift
-    tool = f.tool(sc.Tool.from_triangles(place, blade.triangles, edges=blade.edges))
-    mesh = sc.Mesh.from_arrays(nodes @ turn.T + shift, quads, node_sets={"sides": sides})
-    law = sc.CohesiveLaw(strength=18.0, opening_a=0.05, opening_p=0.2, opening_u=0.3)
-    return sc.Simulation(
-        f.mesh(mesh),
-        f.material(sc.ShellMaterial.homogeneous()),
-        supports=[sc.Support.clamped("sides")],
-        loads=[sc.Pressure(1e-3 * f.stress)],
-        tool=tool,
-        motion=sc.StraightMotion(turn[:, 0], 2e4 * f.length / f.time, ramp=5e-6 * f.time),
-        law=f.law(law),
-        contact=sc.Contact(penalty=1e4 * f.stress / f.length),
-        fracture=sc.Fracture(path="edges", check_every=5),
-        damping_alpha=0.1 / f.time,
-        damping_beta=5e-8 * f.time,
-        stepping=sc.Stepping(fixed=7e-8 * f.time),  # round-off may move a change of the step
-        imperfection=0,  # its phases depend on the place
-        threads=1,
-    )
+    mesh = sc.Mesh.from_arrays(nodes @ turn.T + shift, quads)
+    changed = {
+        "mesh": mesh,
+        "stepping": sc.Stepping(fixed=7e-8),  # round-off may move a change of the step
+        "threads": 1,
+        "supports": [sc.Support.clamped(sides)],
+        "loads": [sc.Pressure(1e-3)],
+        "tool": sc.Tool.from_triangles(place, blade.triangles, edges=blade.edges),
+        "motion": sc.StraightMotion(turn[:, 0], 2e4, ramp=5e-6),
+    }
+    return sc.Simulation(**given | changed)
 
 
 def result(sim):
-    """Return centres of the quads, energies and time after some steps; the film is cut.
+    """Return centres of the quads and energies after some steps; the film is cut.
 
     Which of two nodes keeps its number after a split depends on the numbers, so nodes are not
     compared.
@@ -102,12 +100,12 @@ def result(sim):
     assert sim.state.split_log, "nothing was cut"
     energies = np.array(list(sim.close_ledger().entries().values()))
     centres = sim.state.node.x[sim.state.quads[: sim.mesh.n_quad]].mean(axis=1)
-    return centres, energies, sim.state.time
+    return centres, energies
 
 
 @functools.cache
 def reference():
-    return result(simulation(*film()))
+    return result(simulation(*inputs()[1], np.eye(3), np.zeros(3)))
 
 
 def turned(rng):
@@ -117,45 +115,41 @@ def turned(rng):
     return q if np.linalg.det(q) > 0 else -q
 
 
-def _same(row, rng, folder):
-    nodes, quads, sides = film()
-    x, energies, time = reference()
-    options, back, shift, f = {}, np.eye(3), np.zeros(3), Factors()
-    order = np.arange(len(quads))
+def same_but(row, rng, folder):
+    """Fail unless positions and energies of a changed cut are the same to round-off."""
+    nodes, quads, sides = inputs()[1]
+    turn, shift, order = np.eye(3), np.zeros(3), np.arange(len(quads))
     if row == "turned":
-        back = options["turn"] = turned(rng)
+        turn = turned(rng)
     elif row == "shifted":
-        shift = options["shift"] = rng.uniform(-100.0, 100.0, 3)
+        shift = rng.uniform(-100.0, 100.0, 3)
     elif row == "mirrored":
         nodes, quads = nodes * (1, -1, 1), quads[:, ::-1]
-        back = np.diag([1.0, -1.0, 1.0])
-    elif row == "renumbered":
+    else:
         numbers, order = rng.permutation(len(nodes)), rng.permutation(len(quads))
         new = np.argsort(numbers)
         nodes, quads, sides = nodes[numbers], new[quads[order]], new[sides]
-        quads = np.array(
-            [np.roll(quad, k) for k, quad in zip(rng.integers(4, size=32), quads, strict=True)]
-        )
-    else:
-        length, shorter, stress = rng.integers((-6, 0, -3), (12, 4, 2)).tolist()
-        # No film is heavier than any matter, which a check refuses.
-        f = options["f"] = Factors(2.0**length, 2.0 ** (length - shorter), 4.0**stress)
-    found, other, end = result(simulation(nodes, quads, sides, **options))
-    found = (found / f.length - shift) @ back
-    found, other, end = found[np.argsort(order)], other / f.energy, end / f.time
-    if row == "other units":
-        assert (found == x).all()
-        assert (other == energies).all()
-        assert end == time
-        return
+        begun = zip(rng.integers(4, size=len(quads)), quads, strict=True)
+        quads = np.array([np.roll(quad, k) for k, quad in begun])
+    found, energies = result(simulation(nodes, quads, sides, turn, shift))
+    found = ((found - shift) @ turn)[np.argsort(order)]
+    if row == "mirrored":
+        found = found * (1, -1, 1)
+    wanted, of_reference = reference()
     most = N_STEP * np.finfo(float).eps * (np.abs(shift).max() + SIZE) / DEEPEST
-    off = np.abs(found - x).max() / SIZE
-    of_energy = np.abs(other - energies).max() / np.abs(energies).max()
+    off = np.abs(found - wanted).max() / SIZE
+    of_energy = np.abs(energies - of_reference).max() / np.abs(of_reference).max()
     assert off <= most, f"positions differ by {off:.2g} of the film, {most:.2g} is round-off"
     assert of_energy <= most, f"energies differ by {of_energy:.2g}, {most:.2g} is round-off"
 
 
-def _halves(folder):
-    from test_symmetry_plane import test_a_quarter_is_the_whole_to_round_off as quarter
+def same_in_other_units(rng, folder):
+    length, shorter, stress = rng.integers((-6, 0, -3), (12, 4, 2)).tolist()
+    # No film is heavier than any matter, which a check refuses.
+    f = Factors(2.0**length, 2.0 ** (length - shorter), 4.0**stress)
+    np.testing.assert_array_equal(test_scales.guillotine(f), in_mm_and_s())
 
-    quarter()
+
+@functools.cache
+def in_mm_and_s():
+    return test_scales.guillotine(Factors())

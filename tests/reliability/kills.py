@@ -5,6 +5,7 @@ import os
 import random
 import signal
 import time
+from itertools import count
 
 from shellcut.files.run_folder import CHECKPOINT
 
@@ -12,7 +13,6 @@ from . import tiny
 from .trial import Trial, at_each_write, begin, command, often_saved
 
 SHARE = 10
-COUNT = None
 PROMISE = "the results are those of the uninterrupted command, to the last bit"
 SIGNALS = {name: getattr(signal, f"SIG{name}") for name in ("KILL", "TERM", "INT", "STOP")}
 CODES = {"KILL": -signal.SIGKILL, "TERM": -signal.SIGTERM, "INT": 130, "STOP": 0}
@@ -20,6 +20,10 @@ CODES = {"KILL": -signal.SIGKILL, "TERM": -signal.SIGTERM, "INT": 130, "STOP": 0
 KINDS = ["run", "resume", "sweep", "run", "resume", "fit", "run", "resume", "optimise", "run"]
 KINDS += ["resume", "converge"]
 ROWS = {f"{kind}, killed": (PROMISE, "`tests/same_run.py`") for kind in dict.fromkeys(KINDS)}
+
+
+def trials():
+    return map(trial, count())
 
 
 def trial(number):

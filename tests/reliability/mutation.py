@@ -15,25 +15,19 @@ ROWS = {"mutants": ("a test fails where a line of the method is broken", "`tests
 
 
 @functools.cache
-def drawn():
-    return mutants.draw(COUNT, SEED)[0]
-
-
-@functools.cache
 def copy():
     return mutants.Copy(mutants.ROOT / "build/mutants")
 
 
-def trial(number):
-    """Return a mutant of the draw."""
-    what = mutants.described(*drawn()[number])
-    text = ", ".join(f"{name} {what[name]!r}" for name in mutants.ID)
-    return Trial("mutants", text, functools.partial(_killed, number, what))
+def trials():
+    for mutant in mutants.draw(COUNT, SEED)[0]:
+        what = mutants.described(*mutant)
+        text = ", ".join(f"{name} {what[name]!r}" for name in mutants.ID)
+        yield Trial("mutants", text, functools.partial(_killed, mutant, what))
 
 
-def _killed(number, what, folder):
+def _killed(mutant, what, folder):
     """Fail if no test of its package fails; keep it in the record of mutants.py."""
-    mutant = drawn()[number]
     tests = mutants.tests_for(mutant[0])
     by = copy().run(tests, *mutant)
     RECORD.parent.mkdir(exist_ok=True)

@@ -14,8 +14,10 @@ import sys
 import tempfile
 import time
 import traceback
-from itertools import count
+from itertools import islice
 from pathlib import Path
+
+import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -32,7 +34,6 @@ from reliability import (
     table,
     tiny,
 )
-from reliability.trial import Batch, Impossible
 
 # Those with an end first: the time that they leave is for the others.
 KINDS = {
@@ -49,33 +50,30 @@ MOST_SURVIVORS = 0.1  # of the mutants
 MOST_SHOWN = 20  # failures of a row whose texts are kept
 
 
-def made(kind, number, rows):
+def made(kind, number, trial, rows):
     """Make one trial and count it in its row."""
-    trial = KINDS[kind].trial(number)
     row = rows.setdefault(trial.row, {"tried": 0, "kept": 0, "failures": [], "not_possible": []})
     folder = Path(tempfile.mkdtemp(prefix=f"shellcut-{kind}-"))
     try:
-        batch = trial.do(folder) or Batch(1, [])
-    except Impossible as reason:
+        trial.do(folder)
+        row["kept"] += 1
+    except pytest.skip.Exception as reason:
         row["not_possible"].append(f"{trial.what}: {reason}")
         return
     except Exception as problem:
-        batch = Batch(1, ["".join(traceback.format_exception_only(problem)).strip()])
+        failure = "".join(traceback.format_exception_only(problem)).strip()[-1500:]
+        row["failures"].append(f"--only {kind} --trial {number}: {trial.what}: {failure}")
+        print(f"FAILED {row['failures'][-1]}", flush=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    row["tried"] += batch.tried
-    row["kept"] += batch.tried - len(batch.failures)
-    for failure in batch.failures:
-        row["failures"].append(f"--only {kind} --trial {number}: {trial.what}: {failure[-1500:]}")
-        print(f"FAILED {row['failures'][-1]}", flush=True)
+    row["tried"] += 1
 
 
 def tried(kind, seconds):
     """Make trials of a kind until the time is up, one at least; return its rows."""
     rows, end = {}, time.monotonic() + seconds
-    numbers = count() if KINDS[kind].COUNT is None else range(KINDS[kind].COUNT)
-    for number in numbers:
-        made(kind, number, rows)
+    for number, trial in enumerate(KINDS[kind].trials()):
+        made(kind, number, trial, rows)
         if time.monotonic() > end:
             break
     for row in rows.values():
@@ -96,7 +94,8 @@ def main():
     if given.trial is not None:
         for kind in given.only:
             rows = {}
-            made(kind, given.trial, rows)
+            trial = next(islice(KINDS[kind].trials(), given.trial, None))
+            made(kind, given.trial, trial, rows)
             print(json.dumps(rows, indent=1))
         return
     record = json.loads(given.json.read_text()) if given.json and given.json.exists() else {}

@@ -1,18 +1,18 @@
 """What the package brings with it, and what it does with the network and other programs."""
 
 import functools
-import importlib.util
 import shutil
 import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, distribution
 
+import pytest
 from packaging.requirements import Requirement
 
 from shellcut.files.distribution import DISTRIBUTION
 
 from . import tiny
-from .trial import Impossible, Trial, begin, command
+from .trial import Trial, begin, command
 
 SHARE = 1
 ROWS = {
@@ -41,7 +41,7 @@ def installed(extra):
         try:
             package = distribution(name)
         except PackageNotFoundError:
-            raise Impossible(f"{name} is not installed") from None
+            pytest.skip(f"{name} is not installed")
         found[name] = licence_of(package.metadata)
         for needed in map(Requirement, package.requires or ()):
             asked = not needed.marker or needed.marker.evaluate({"extra": of})
@@ -83,10 +83,8 @@ def alone(word, folder):
 
 
 def dask(folder):
-    if not importlib.util.find_spec("distributed"):
-        raise Impossible("needs Dask")
-    import psutil
-
+    pytest.importorskip("distributed")
+    psutil = pytest.importorskip("psutil")
     argv = [word for word in tiny.words("sweep") if word != "--jobs=1"]
     child = begin([*argv, "--dask=local", "-o", str(folder / "out")], folder)
     seen, process = set(), psutil.Process(child.pid)
@@ -98,8 +96,7 @@ def dask(folder):
 
 
 def vulnerabilities(folder):
-    if importlib.util.find_spec("pip_audit") is None:
-        raise Impossible("not checked here: pip-audit is not installed")
+    pytest.importorskip("pip_audit", reason="not checked here: pip-audit is not installed")
     listed = folder / "requirements.txt"
     listed.write_text("".join(f"{n}=={distribution(n).version}\n" for n in installed("")))
     audit = [sys.executable, "-m", "pip_audit", "--no-deps", "-r", str(listed)]
@@ -108,12 +105,12 @@ def vulnerabilities(folder):
 
 
 EXTRAS = ("", "plot", "movie", "mesh", "optimise", "sweep", "outline")
-TRIALS = [("licences", f"extra {one!r}", functools.partial(licences, one)) for one in EXTRAS]
-TRIALS += [("network", word, functools.partial(alone, word)) for word in COMMANDS]
-TRIALS += [("Dask", "listens", dask), ("vulnerabilities", "plain install", vulnerabilities)]
-COUNT = len(TRIALS)
 
 
-def trial(number):
-    """Return one of the trials."""
-    return Trial(*TRIALS[number])
+def trials():
+    for extra in EXTRAS:
+        yield Trial("licences", f"extra {extra!r}", functools.partial(licences, extra))
+    for word in COMMANDS:
+        yield Trial("network", word, functools.partial(alone, word))
+    yield Trial("Dask", "listens", dask)
+    yield Trial("vulnerabilities", "plain install", vulnerabilities)

@@ -2,6 +2,7 @@
 
 import datetime
 import platform
+import re
 from pathlib import Path
 
 import shellcut
@@ -13,21 +14,12 @@ WANTED = {"kills": 300, "faults": 40, "fuzz": 20_000, "mutants": 300}
 
 def stamp():
     """Return date, machine and versions of a trial."""
-    cpu = platform.processor() or platform.machine()
-    for line in _lines("/proc/cpuinfo"):
-        if line.startswith("model name"):
-            cpu = line.partition(":")[2].strip()
-            break
+    info = Path("/proc/cpuinfo")
+    found = re.search(r"model name\s*: (.+)", info.read_text() if info.exists() else "")
+    cpu = found[1] if found else platform.processor() or platform.machine()
     versions = f"shellcut {shellcut.__version__}, Python {platform.python_version()}"
     date = datetime.date.today().isoformat()
     return {"date": date, "machine": f"{cpu}, {platform.system()}", "versions": versions}
-
-
-def _lines(path):
-    try:
-        return Path(path).read_text().splitlines()
-    except OSError:
-        return []
 
 
 def sums(rows):

@@ -22,7 +22,7 @@ STRIP = {**SETTINGS, **RECORDS, "travel": 1.2}
 SHORT = {
     "opening": {"motion.angle_deg": 4.0, "duration": "0.25 ms"},
     "guillotine": STRIP,
-    "through quads": STRIP | {"path": "free"},
+    "through quads": STRIP | {"fracture.path": "free"},
     "oscillating": {"travel": "1 mm"},
     "trouser": {"travel": "0.6 mm"},
     "disc": {"duration": "0.15 ms"},
@@ -37,11 +37,8 @@ def model(name):
     if file.endswith(".toml"):
         path.write_text(DISC)
         file = str(path)
-    keys = {k: v for k, v in keys.items() if name not in ("guillotine", "through quads")}
-    keys |= RECORDS | SHORT[name]
-    if "fracture.path" in keys and "path" in keys:
-        del keys["fracture.path"]
-    return [file, *[f"--set={k}={str(v).lower()}" for k, v in keys.items()]]
+    own = {} if name in ("guillotine", "through quads") else keys
+    return [file, *in_words(own | RECORDS | SHORT[name])]
 
 
 @functools.cache
@@ -65,29 +62,29 @@ def measured():
     return path
 
 
+STUDIES = {
+    "sweep": "--set=wedge_half_angle_deg=10,14",
+    "fit": "--set=strength=15:22 --max-runs=3",
+    "optimise": "--set=wedge_half_angle_deg=10,14 --minimise=force_peak_N --confirm=none "
+    "--allow-doubts",
+    "converge": "",
+}
+
+
 def words(kind, name="guillotine"):
     """Return the words of a command without its folder."""
     if kind == "run":
         return ["run", *model(name)]
-    strip = in_words(STRIP)
-    some = [*strip, "--jobs=1", "--set=wedge_half_angle_deg=10,14"]
-    return {
-        "sweep": ["sweep", "guillotine", *some],
-        "fit": ["fit", "guillotine", *(str(measured()), *strip, "--jobs=1", "--max-runs=3")],
-        "optimise": ["optimise", "guillotine", *some, "--minimise=force_peak_N", "--allow-doubts"],
-        "converge": ["converge", "guillotine", *strip, "--jobs=1"],
-    }[kind] + {"fit": ["--set=strength=15:22"], "optimise": ["--confirm=none"]}.get(kind, [])
+    curve = [str(measured())] if kind == "fit" else []
+    strip = [*in_words(STRIP), "--jobs=1"]
+    return [kind, "guillotine", *curve, *strip, *STUDIES[kind].split()]
 
 
 def whole(kind, name="guillotine"):
     """Return the folder of an undisturbed command."""
-    return _whole(kind, name)
-
-
-@functools.cache
-def _whole(kind, name):
     out = folder() / f"{kind} {name}"
-    command([*words(kind, name), "-o", str(out)], folder() / "log").expect(0)
+    if not out.exists():
+        command([*words(kind, name), "-o", str(out)], folder() / "log").expect(0)
     return out
 
 

@@ -1,6 +1,7 @@
 """A trial of a promise, and the process of its own in which it is made."""
 
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -12,6 +13,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import pytest
+
+TESTS = Path(__file__).parents[1]
 TRACEBACK = "Traceback (most recent call last)"
 
 
@@ -23,20 +27,8 @@ class Trial:
     """Of the table."""
     what: str
     """In words, for a report of its failure."""
-    do: Callable[[Path], "Batch | None"]
-    """Makes it in an empty folder; an exception is a failure."""
-
-
-@dataclass
-class Batch:
-    """What came of several inputs that one process has tried."""
-
-    tried: int
-    failures: list[str]
-
-
-class Impossible(Exception):
-    """This machine cannot make the trial; the reason."""
+    do: Callable[[Path], None]
+    """Makes it in an empty folder. An exception is a failure; where it cannot be made, it skips."""
 
 
 @dataclass
@@ -100,31 +92,18 @@ class Child:
         _, status = os.waitpid(self.pid, os.WUNTRACED)
         assert os.WIFSTOPPED(status), "it has ended before it was paused"
 
-    def wait(self, seconds=120.0, end=None):
-        """Wait for its end; a child that needs longer is ended, which is a failure.
-
-        ``end`` is a signal that it is given first, and as much time again.
-        """
-        if end is not None:
-            try:
-                return self._waited(seconds, kill=False)
-            except TimeoutError:
-                self.send(end)
-        return self._waited(seconds, kill=True)
-
-    def _waited(self, seconds, *, kill):
-        end = time.monotonic() + seconds
-        pause = 1e-3
-        while (found := os.waitpid(self.pid, os.WNOHANG))[0] == 0:
-            if time.monotonic() > end:
-                if kill:
-                    os.kill(self.pid, signal.SIGKILL)
-                    os.waitpid(self.pid, 0)
-                raise TimeoutError(f"no end within {seconds:.0f} s")
-            time.sleep(pause)
-            pause = min(2 * pause, 0.02)
+    def wait(self, seconds=120.0):
+        """Wait for its end; a child that needs longer is ended, which is a failure."""
+        pidfd = os.pidfd_open(self.pid)
+        ended, _, _ = select.select([pidfd], [], [], seconds)
+        os.close(pidfd)
+        if not ended:
+            self.send(signal.SIGKILL)
+        _, status = os.waitpid(self.pid, 0)
+        if not ended:
+            raise TimeoutError(f"no end within {seconds:.0f} s")
         texts = [f.read_text(errors="replace") if f.exists() else "" for f in self._files]
-        return Done(os.waitstatus_to_exitcode(found[1]), *texts)
+        return Done(os.waitstatus_to_exitcode(status), *texts)
 
 
 def fresh(argv, folder, environment=(), options=(), **streams):
@@ -138,9 +117,19 @@ def fresh(argv, folder, environment=(), options=(), **streams):
     return Done(done.returncode, *texts)
 
 
-def command(argv, folder, before=None, seconds=120.0):
+def of_the_suite(test, folder):
+    """Let pytest carry out a test of the suite."""
+    words = ["-m", "pytest", "-rs", "-n0", "-m", "slow or not slow", f"--basetemp={folder / 'of'}"]
+    asked = [sys.executable, *words, str(TESTS / test)]
+    done = subprocess.run(asked, cwd=TESTS.parent, capture_output=True, text=True, check=False)
+    if " passed" not in done.stdout and " skipped" in done.stdout:
+        pytest.skip(done.stdout[-300:])
+    assert done.returncode == 0, done.stdout[-1500:]
+
+
+def command(argv, folder, before=None):
     """Do a command in a child, and wait for it; ``before`` changes the process first."""
-    return begin(argv, folder, before).wait(seconds)
+    return begin(argv, folder, before).wait()
 
 
 def begin(argv, folder, before=None):

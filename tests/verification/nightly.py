@@ -1,46 +1,47 @@
 """The last result of each file of slow tests, a section of docs/verification.md.
 
     .ci/nightly                                              # runs them, then this:
-    python tests/verification/nightly.py build/nightly.xml   # stores the result, writes the section
+    python tests/verification/nightly.py build/nightly.xml   # renews the section
 
-The results are stored beside this file, in ``nightly.json``. A run of some files renews their rows
-and leaves the others. The section is part of the page's head, which report.py keeps.
+A run of some files renews their rows of the section's table and leaves the others. The section is
+part of the page's head, which report.py keeps.
 """
 
-import argparse
-import json
 import platform
 import re
+import sys
 import xml.etree.ElementTree as ElementTree
-from collections import defaultdict
+from collections import Counter, defaultdict
 from importlib.metadata import version
 from pathlib import Path
 
-STORED = Path(__file__).with_name("nightly.json")
-ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from page_tables import ROOT, cells, tables
+
 PAGE = ROOT / "docs" / "verification.md"
 HEADING = "## The nightly tests"
 WORDS = ("passed", "failed", "skipped")
 
 
 def rows_of(xml):
-    """Return what pytest's ``--junitxml`` file tells, a row a file of tests."""
+    """Return the cells that pytest's ``--junitxml`` file gives for each file of tests."""
     suite = ElementTree.parse(xml).getroot().find("testsuite")
     assert suite is not None, f"{xml} is no result of pytest"
-    empty = {
-        **dict.fromkeys((*WORDS, "seconds"), 0),
-        "date": suite.get("timestamp", "")[:10],
-        "with": f"shellcut {version('shellcut-fem')}, Python {platform.python_version()}, "
-        f"Numba {version('numba')}, {platform.system()} {platform.machine()}",
-    }
-    rows = defaultdict(lambda: dict(empty))
+    used = f"shellcut {version('shellcut-fem')}, Python {platform.python_version()}, "
+    used += f"Numba {version('numba')}, {platform.system()} {platform.machine()}"
+    found, seconds = defaultdict(Counter), Counter()
     for case in suite.iter("testcase"):
         parts = case.get("classname", "").split(".")
         last = next((k for k, part in enumerate(parts) if part.startswith("test_")), len(parts) - 1)
-        row = rows["/".join(parts[: last + 1]) + ".py"]
-        row[_outcome(case)] += 1
-        row["seconds"] += float(case.get("time", 0.0))
-    return dict(rows)
+        name = "/".join(parts[: last + 1]) + ".py"
+        found[name][_outcome(case)] += 1
+        seconds[name] += float(case.get("time", 0.0))
+    date = suite.get("timestamp", "")[:10]
+    return {
+        name: [*(str(n[word]) for word in WORDS), f"{seconds[name] / 60:.1f}", date, used]
+        for name, n in found.items()
+    }
 
 
 def _outcome(case):
@@ -51,52 +52,36 @@ def _outcome(case):
 
 def section(rows):
     """Return the lines of the section."""
-    total = {word: sum(row[word] for row in rows.values()) for word in WORDS}
+    total = ", ".join(
+        f"{sum(int(row[k]) for row in rows.values())} {word}" for k, word in enumerate(WORDS)
+    )
     return [
         HEADING,
         "",
         "`.ci/nightly` runs the tests marked *slow*, or those of the files that are named, in a "
-        "fresh environment. The last result of each file: "
-        + ", ".join(f"{total[word]} {word}" for word in WORDS)
-        + ". A file that is not in the table has no result yet. The minutes of a row are the sum "
+        f"fresh environment. The last result of each file: {total}. "
+        "A file that is not in the table has no result yet. The minutes of a row are the sum "
         "over its tests, some of which ran at the same time.",
         "",
         f"| file of tests | {' | '.join(WORDS)} | minutes | on | with |",
         "|---|" + "---:|" * 4 + "---|---|",
-        *(
-            f"| `{name}` | {' | '.join(str(row[word]) for word in WORDS)} | "
-            f"{row['seconds'] / 60:.1f} | {row['date']} | {row['with']} |"
-            for name, row in sorted(rows.items())
-        ),
+        *(f"| `{name}` | {' | '.join(row)} |" for name, row in sorted(rows.items())),
         "",
     ]
 
 
-def stored():
-    """Return the last row of each file."""
-    return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
-
-
-def with_section(page, rows):
-    """Return the page with the section in the place of the one that it has."""
+def renewed(page, rows):
+    """Return the page with the section renewed by some rows."""
     before, heading, after = page.partition(HEADING + "\n")
     assert heading, f"the page has no section {HEADING!r}"
     follows = re.search(r"^(?:## |<!-- )", after, re.M)
-    rest = after[follows.start() :] if follows else ""
-    return before + "\n".join([*section(rows), rest])
-
-
-def main():
-    """Store the rows, print the section and write it."""
-    parser = argparse.ArgumentParser(description="The result of the slow tests.")
-    parser.add_argument("xml", type=Path, help="what pytest --junitxml has written")
-    rows = stored() | rows_of(parser.parse_args().xml)
-    rows = {name: row for name, row in sorted(rows.items()) if (ROOT / name).exists()}
-    STORED.write_text(json.dumps(rows, indent=2) + "\n", encoding="utf-8")
-    print("\n".join(section(rows)))
-    page = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(with_section(page, rows), encoding="utf-8")
+    end = follows.start() if follows else len(after)
+    known = [cells(row) for _, table in tables(after[:end]) for row in table[2:]]
+    rows = {name.strip("`"): row for name, *row in known} | rows
+    there = {name: row for name, row in rows.items() if (ROOT / name).exists()}
+    return before + "\n".join([*section(there), after[end:]])
 
 
 if __name__ == "__main__":
-    main()
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(renewed(page, rows_of(sys.argv[1])), encoding="utf-8")

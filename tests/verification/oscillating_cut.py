@@ -7,7 +7,6 @@ grown, and where the work went from there on.
 
 import argparse
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,10 +16,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import shellcut as sc
 from courses import recorded
+from gmsh_films import gmsh_strip
 from shellcut.models.oscillating import (
     BAR_FILM,
     BAR_FRACTURE,
-    BAR_LAW,
     STIFFNESS_DAMPING,
     film_before,
 )
@@ -38,16 +37,6 @@ def turned(film, half, degrees=20.0):
     ends = np.clip(np.minimum(X[:, 0], L - X[:, 0]) / 4.0, 0.0, 1.0)
     X[:, 0] += np.tan(np.radians(degrees)) * np.clip(X[:, 1], -half, half) * ends
     return sc.Mesh.from_arrays(X, film.quads, node_sets=film.node_sets)
-
-
-def from_gmsh(length, width, size):
-    """Return a strip of Gmsh's quads."""
-    corners = [[0.0, y] for y in (-0.5 * width, 0.5 * width)]
-    corners = [*corners[:1], [length, -0.5 * width], [length, 0.5 * width], corners[1]]
-    film = sc.mesh_from_outline(corners, size=size)
-    y = film.nodes[:, 1]
-    sides = {"bottom": y < -0.5 * width + 1e-6, "top": y > 0.5 * width - 1e-6}
-    return film.with_sets(node_sets={name: np.flatnonzero(on) for name, on in sides.items()})
 
 
 def extremes(path, diameter):
@@ -75,13 +64,11 @@ def grown(turns, path, diameter):
     return turns[1 + far[0] : None if back > 0.1 * diameter else -1]
 
 
-def run(case, until):
+def run(case):
     """Run to the end; return rows of travel, crack and works: tool, cables, damping, imbalance."""
-    began = time.monotonic()
 
     def ended(sim):
-        late = sim.state.time >= case.duration or time.monotonic() - began > until
-        return late or not sim.cracks.tips
+        return sim.state.time >= case.duration or not sim.cracks.tips
 
     def read(sim):
         book, way = sim.ledger, sim.motion.coordinate(sim.state.time)
@@ -103,8 +90,6 @@ NUMBERS = {
     "fibres": (BAR_FRACTURE.fibres, "of a segment"),
     "notch": (1.5, "its length [diameters]"),
     "offset": (0.35, "of the notch from the bar [diameters]"),
-    "strength": (BAR_LAW.strength, "at the same fracture energy [MPa]"),
-    "until": (3600.0, "wall time at most [s]"),
 }
 """Options of the command line, with their defaults."""
 
@@ -118,16 +103,6 @@ def arguments():
     return parser.parse_args()
 
 
-def weaker(strength):
-    """Return the default law with another strength and the same fracture energy."""
-    longer = BAR_LAW.strength / strength
-    lengths = {
-        name: longer * getattr(BAR_LAW, name)
-        for name in ("opening_a", "opening_p", "opening_u", "onset")
-    }
-    return sc.CohesiveLaw(strength=strength, plateau=BAR_LAW.plateau / longer, **lengths)
-
-
 def case_of(chosen):
     """Return the case to run."""
     d, size = chosen.diameter, chosen.size
@@ -136,14 +111,13 @@ def case_of(chosen):
     if chosen.mesh == "turned":
         film = turned(film, band)
     elif chosen.mesh == "gmsh":
-        film = from_gmsh(length, width, size)
+        film = gmsh_strip(length, width, size)
     return sc.oscillating(
         mesh=film,
         diameter=d,
         speed=chosen.speed,
         notch=chosen.notch * d,
         offset=chosen.offset * d,
-        law=weaker(chosen.strength),
         material=sc.ShellMaterial.homogeneous(**{**BAR_FILM, "thickness": chosen.thickness}),
         fracture=replace(BAR_FRACTURE, fibres=chosen.fibres),
         damping_beta=chosen.damping,
@@ -153,7 +127,7 @@ def case_of(chosen):
 def main():
     chosen = arguments()
     d, case = chosen.diameter, case_of(chosen)
-    rows = run(case, chosen.until)
+    rows = run(case)
     cuts = [cut for cut in case.simulation.state.split_log if cut.kind != "notch"]
     path = [cut.reference[:2] for cut in cuts]
     turns = extremes(path, d)

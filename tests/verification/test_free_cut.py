@@ -12,6 +12,7 @@ import shellcut as sc
 from courses import course, growth, largest_share
 from curved_films import moved
 from films import cut_by
+from gmsh_films import gmsh_strip
 from page_tables import in_range, row
 from shellcut.mesh.structured import rectangle
 from shellcut.models.free_cut import free_cut
@@ -114,10 +115,7 @@ def test_on_offset_rows_it_is_so_and_fibres_smooth_it():
 
 def test_force_is_the_tearing_energy_on_quads_by_gmsh():
     pytest.importorskip("gmsh")
-    mesh = sc.mesh_from_outline([(0, -4), (24, -4), (24, 4), (0, 4)], size=0.6)
-    y = mesh.nodes[:, 1]
-    sides = {"bottom": np.flatnonzero(y < -4 + 1e-9), "top": np.flatnonzero(y > 4 - 1e-9)}
-    check(free(mesh.with_sets(node_sets=sides)), size=0.6)
+    check(free(gmsh_strip(LENGTH, WIDTH, 0.6)), size=0.6)
 
 
 def test_neither_place_nor_turn_nor_numbers_of_the_model_matter():

@@ -5,7 +5,7 @@ import pytest
 
 import shellcut as sc
 from courses import course, largest_share
-from curved_films import moved
+from curved_films import TORN, moved
 from films import free_film
 from naive import trial_cut
 from shellcut.fracture.crack_path import CrackPath
@@ -14,16 +14,13 @@ from shellcut.mesh.structured import cylinder, rectangle
 from tip_domains import at_tip, force_on
 
 RADIUS, PRESSURE, N_AROUND = 6.0, 0.1, 32
-SHORT_LAW = {"strength": 18.0, "plateau": 12.0}
-SHORT_LAW |= {"opening_a": 0.02, "opening_p": 0.05, "opening_u": 0.1}
-BLADE = {"opening_a": 0.1, "opening_p": 0.3, "opening_u": 0.6}
 
 
 def slit_cylinder(notch, rise, **options):
     """A cylinder whose ends slide in their planes, with a slit along it through its quads."""
     mesh = cylinder(RADIUS, 14.0, n_around=N_AROUND, n_along=14)
     ends = [sc.Support(name, translation="y", rotation="") for name in ("bottom", "top")]
-    sim = free_film(mesh, supports=ends, law=sc.CohesiveLaw(**SHORT_LAW), **options)
+    sim = free_film(mesh, supports=ends, law=TORN, **options)
     # Between two columns of nodes, at ``rise`` of the side.
     a, b = mesh.nodes[mesh.quads[0, 0]], mesh.nodes[mesh.quads[0, 1]]
     start = a + rise * (b - a)
@@ -99,7 +96,7 @@ def test_a_strongly_bent_strip_releases_what_a_longer_crack_does():
 def test_a_blade_cuts_a_strip_under_pressure():
     length, size = 8.0, 0.8
     mesh = moved(rectangle(length, 6.4, size=size), "random", 0.2, size, seed=4)
-    law = sc.CohesiveLaw(**SHORT_LAW | BLADE)
+    law = sc.CohesiveLaw(opening_a=0.1, opening_p=0.3, opening_u=0.6)
     ramp = {"factor": lambda time: min(time / 2e-4, 1.0)}
     sim = sc.guillotine(
         mesh=mesh,

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 
 import shellcut as sc
 from films import free_film
-from shellcut import Mesh
 from shellcut.meshing import rectangle
 from shellcut.models import Case
 from shellcut.tool_shapes import straight_blade
@@ -80,7 +79,7 @@ def cut(folder, film, tool, until, round_it=False):
     blade = straight_blade(edge_angle_deg=60.0, length=1.5, height=6.0)
     blade, notch = blade.translated((-0.05, 0.0, 0.0)), np.array([(0.0, 0.1, 0.0), (1.2, 0.0, 0.0)])
     if round_it:
-        mesh = Mesh.from_arrays(bent(mesh.nodes), mesh.quads)
+        mesh = sc.Mesh.from_arrays(bent(mesh.nodes), mesh.quads)
         x, y, z = blade.vertices.T
         places = np.column_stack([RADIUS - y, x, z])
         blade = sc.Tool.from_triangles(places, blade.triangles, edges=blade.edges)

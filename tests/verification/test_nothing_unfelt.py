@@ -10,7 +10,6 @@ import pytest
 import shellcut as sc
 from blunt_tools import spike
 from courses import recorded
-from shellcut import Contact, Fracture, StraightMotion
 from shellcut.mesh.structured import rectangle
 from shellcut.models import free_cut
 from shellcut.recording.unfelt_penetration import UnfeltPenetration
@@ -23,13 +22,13 @@ def free_strip():
     return free_cut(
         mesh,
         tool=straight_blade(height=3.0).translated((-0.3, 3.1, 0.0)),
-        motion=StraightMotion((1.0, 0.0, 0.0), 6000.0, ramp=1e-4),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), 6000.0, ramp=1e-4),
         duration=8e-4,
         supports=[sc.Support.clamped(np.union1d(mesh.node_set("bottom"), mesh.node_set("top")))],
     )
 
 
-FREE = Fracture(path="free")
+FREE = sc.Fracture(path="free")
 SHORT = {
     "opening quick": (lambda: sc.opening_test("quick"), 45_000),
     "opening M1": (lambda: sc.opening_test("M1"), 57_000),
@@ -62,8 +61,8 @@ def test_a_spike_between_nodes_is_deep_within_a_quad_where_nothing_feels_it(felt
         sc.ShellMaterial.homogeneous(),
         supports=[sc.Support.clamped(film.boundary_nodes())],
         tool=spike().translated((2.37, 0.21, 0.01)),
-        motion=StraightMotion((0.0, 0.0, -1.0), 2000.0, ramp=2e-5),
-        contact=Contact(tool_points=felt),
+        motion=sc.StraightMotion((0.0, 0.0, -1.0), 2000.0, ramp=2e-5),
+        contact=sc.Contact(tool_points=felt),
     )
     unfelt = UnfeltPenetration(sim)
     sim.run(6e-5)  # 0.1 mm, in which none of its faces comes to a node
@@ -87,5 +86,5 @@ def test_nothing_deeper_than_about_half_the_thickness_is_unfelt(name):
 def test_without_what_feels_them_edges_of_the_film_would_be_deeper():
     # A cutting edge that goes through film cuts it at once; what goes between nodes of whole film
     # is in tests/unit/test_point_contact.py.
-    sim = sc.opening_test("quick", contact=Contact(film_edges=False)).simulation
+    sim = sc.opening_test("quick", contact=sc.Contact(film_edges=False)).simulation
     assert deepest_unfelt(sim, 12_000)[1] > 0.5 * sim.material.thickness

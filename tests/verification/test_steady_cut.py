@@ -80,14 +80,6 @@ def test_with_friction_the_force_grows_by_what_friction_takes():
     assert imbalance < 1e-3
 
 
-def test_friction_on_the_blade_vanishes_with_the_radius_and_the_friction():
-    grown = [on_the_blade(r, 0.3) for r in (0.0, 1e-3, 0.01, 0.1, 1.0)]
-    assert grown[0] == 0.0
-    assert grown == sorted(grown)
-    assert grown[1] < 2e-3
-    assert on_the_blade(0.1, 0.0) == 0.0
-
-
 @pytest.mark.parametrize("joint", ["adhesion", "free"])
 def test_the_works_of_both_forces_make_up_that_of_fracture(joint):
     push, along, friction, imbalance = forces(size=SIZE, slice_ratio=1.0, joint=joint)

@@ -81,15 +81,9 @@ def torn(sim, ends, far):
     return recorded(sim, ended, read, every=50)
 
 
-def sum_of_ways(sheet, T):
-    """Return u_A + u_B at a tip."""
-    A, B = np.array([0.0, sheet.a]), np.array([0.0, sheet.b])
-    return (T - A) / np.linalg.norm(T - A) + (T - B) / np.linalg.norm(T - B)
-
-
 def best(sheet, T):
     """Return the direction [rad] of a crack and its force over G h, by theory."""
-    S = sum_of_ways(sheet, T)
+    S = sum((T - end) / np.linalg.norm(T - end) for end in ((0.0, sheet.a), (0.0, sheet.b)))
     away = TRIED - np.arctan2(S[1], S[0])
     f = np.ones(len(TRIED))
     if sheet.film is not None:

@@ -2,16 +2,9 @@
 
 import numpy as np
 
+import patches
 from cases.paths import curve
 from harness import Check, case
-from patches import (
-    DIAPHRAGM,
-    cylinder_patch,
-    mapped_patch,
-    pinched_cylinder,
-    pinched_hemisphere,
-    sphere,
-)
 from shellcut import EdgeTraction, Gravity, ShellMaterial, Statics, Support
 
 
@@ -31,7 +24,7 @@ def same_element(name, deflection, patch, cross_check, published=None):
 
 
 def roof(n, *, exact=True):
-    return cylinder_patch(25.0, 25.0, 40.0, n, n, exact=exact)
+    return patches.cylinder_patch(25.0, 25.0, 40.0, n, n, exact=exact)
 
 
 def of_roof(mesh):
@@ -43,7 +36,7 @@ def of_roof(mesh):
     model = Statics(
         mesh,
         material,
-        supports=[Support.symmetry("u0", "x"), Support.symmetry("v0", "y"), DIAPHRAGM],
+        supports=[Support.symmetry("u0", "x"), Support.symmetry("v0", "y"), patches.DIAPHRAGM],
         loads=[Gravity((0.0, 0.0, -90.0 / (density * thickness)))],
     )
     displacement, _ = model.linear()
@@ -66,7 +59,7 @@ def a03():
 
 def cylinder(n, *, exact=True):
     material = ShellMaterial.homogeneous(young=3e6, poisson=0.3, thickness=3.0, shear_factor=1.0)
-    return pinched_cylinder(300.0, 300.0, n, material, 0.25, exact=exact)
+    return patches.pinched_cylinder(300.0, 300.0, n, material, 0.25, exact=exact)
 
 
 def of_cylinder(pinched):
@@ -90,13 +83,13 @@ def a04():
 
 def pinch(mesh, thickness, force):
     """Return the mean radial displacement under the two loads."""
-    model, on_x, on_y = pinched_hemisphere(mesh, thickness, force, shear_factor=1.0)
+    model, on_x, on_y = patches.pinched_hemisphere(mesh, thickness, force, shear_factor=1.0)
     u, _ = model.linear()
     return 0.5 * float(u[on_x, 0] - u[on_y, 1])
 
 
 def hemisphere(n, *, exact=True):
-    return mapped_patch(n, n, sphere, exact=exact)
+    return patches.mapped_patch(n, n, patches.sphere, exact=exact)
 
 
 def of_hemisphere(mesh):
@@ -155,7 +148,7 @@ def strip_of_sections(u, v):
 
 def of_strip(load, n, *, thickness=0.32, place=strip):
     """Return the tip's displacement along a unit force."""
-    mesh = mapped_patch(6 * n, n, place)
+    mesh = patches.mapped_patch(6 * n, n, place)
     material = ShellMaterial.homogeneous(
         young=29e6, poisson=0.22, thickness=thickness, shear_factor=1.0
     )

@@ -59,9 +59,7 @@ def deflection(edge, thickness, n, place=flat):
     axes=("quads a side of a quarter, N", "w D / (q L⁴) in the middle"),
 )
 def a08():
-    """A08 square plate under uniform pressure, clamped and simply supported, per mesh.
-
-    Side 1, h = 0.01 or 0.001, nu = 0.3; a quarter of N x N quads. Hard simple support: no tilt
+    """Side 1, h = 0.01 or 0.001, nu = 0.3; a quarter of N x N quads. Hard simple support: no tilt
     along the edge. Read: alpha = w D / (q L⁴) in the middle.
 
     Source: MITC4 values by OpenSees' ShellMITC4 and ASDShellQ4, which agree to nine digits on flat
@@ -113,9 +111,7 @@ def on_a_disc(edge, thickness, n_side):
     axes=("mean side of the quads over the radius, s / R", "w D / (q R⁴) in the middle"),
 )
 def a14():
-    """A14 circular plate under uniform pressure, clamped and simply supported.
-
-    R = 1, h / R = 0.001, nu = 0.3; the library's disc, whose border is a polygon. Read: w D / (q
+    """R = 1, h / R = 0.001, nu = 0.3; the library's disc, whose border is a polygon. Read: w D / (q
     R⁴) in the middle. The simple support fixes only the deflection of the border, so the directors
     are free to tilt along it, as on a round border (a hard support of a polygon's sides would tend
     to another limit, Babuska's paradox). A thick plate, h / R = 0.1, adds the shear deflection q R²

@@ -5,23 +5,9 @@ Source of the tables: Abaqus S4R, Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004
 
 import numpy as np
 
-from cases.paths import (
-    at_factors,
-    curve,
-    distance_to_curve,
-    path_checks,
-    rows_of,
-    spline,
-    table_checks,
-)
+import patches
+from cases import paths
 from harness import Check, case, zero
-from patches import (
-    hinged_roof,
-    mapped_patch,
-    pinched_cylinder,
-    pinched_hemisphere,
-    sphere,
-)
 from shellcut import EdgeTraction, NodalMoment, ShellMaterial, Statics, Support
 from shellcut.mesh.structured import rectangle
 
@@ -52,7 +38,7 @@ def sheared(n):
 
 
 # P / Pmax, -U, W
-S4R = rows_of(
+S4R = paths.rows_of(
     """
     0.05 0.026 0.663; 0.1 0.103 1.309; 0.15 0.224 1.922; 0.2 0.381 2.493; 0.25 0.563 3.015;
     0.3 0.763 3.488; 0.35 0.971 3.912; 0.4 1.184 4.292; 0.45 1.396 4.631; 0.5 1.604 4.933;
@@ -60,7 +46,7 @@ S4R = rows_of(
     0.8 2.705 6.19; 0.85 2.861 6.335; 0.9 3.01 6.467; 0.95 3.151 6.588; 1.0 3.286 6.698
     """
 )
-ELASTICA = rows_of(
+ELASTICA = paths.rows_of(
     """
     0.05 0.026465 0.663645; 0.1 0.103539 1.309752; 0.15 0.224877 1.923503; 0.2 0.381656 2.494515;
     0.25 0.564332 3.017208; 0.3 0.764003 3.490101; 0.35 0.973168 3.914657; 0.4 1.185961 4.294128;
@@ -78,7 +64,7 @@ def b01():
 
     Source: Table 1, 16 x 1, itself up to 0.1 % off the exact elastica, which is B02.
     """
-    return path_checks(b01.CURVES, TIP, S4R, sheared, {"16 x 1": (16, "")})
+    return paths.path_checks(b01.CURVES, TIP, S4R, sheared, {"16 x 1": (16, "")})
 
 
 @case("B02", "Cantilever, end shear: exact elastica", axes=OF_TIP)
@@ -92,10 +78,10 @@ def b02():
     """
     ours = {n: sheared(n) for n in MESHES}
     for n in MESHES:
-        yield from table_checks((f"-U, {n} x 1", f"W, {n} x 1"), ours[n], ELASTICA)
+        yield from paths.table_checks((f"-U, {n} x 1", f"W, {n} x 1"), ours[n], ELASTICA)
     factors, full = ELASTICA[:, 0], ELASTICA[-1]
     for k, name in enumerate(("-U tip", "W tip")):
-        b02.CURVES[f"{name}, 128 x 1"] = curve(
+        b02.CURVES[f"{name}, 128 x 1"] = paths.curve(
             ours[128][:, k], factors, ELASTICA[:, k + 1], factors
         )
         change = [ours[n][-1, k] - ours[2 * n][-1, k] for n in MESHES[:-1]]
@@ -106,7 +92,7 @@ def b02():
 
 
 # M / Mmax, -U, W
-ROLL = rows_of(
+ROLL = paths.rows_of(
     """
     0.05 0.196 1.87; 0.1 0.774 3.648; 0.15 1.699 5.248; 0.2 2.918 6.598; 0.25 4.361 7.639;
     0.3 5.945 8.333; 0.35 7.585 8.664; 0.4 9.194 8.637; 0.45 10.688 8.281; 0.5 12.0 7.639;
@@ -136,10 +122,10 @@ def b03():
         beside = "16 x 1 is too coarse: see the finer meshes" if n == 16 else ""
         for source, table in (("table", ROLL), ("closed form", closed)):
             names = (f"-U, {n} x 1, {source}", f"W, {n} x 1, {source}")
-            yield from table_checks(names, ours[n], table, beside)
+            yield from paths.table_checks(names, ours[n], table, beside)
     for k, name in ((0, "-U tip"), (1, "W tip")):
         for n in (32, 16):
-            b03.CURVES[f"{name}, {n} x 1"] = curve(
+            b03.CURVES[f"{name}, {n} x 1"] = paths.curve(
                 ours[n][:, k], factors, closed[:, k + 1], factors
             )
         worst = [np.abs(ours[n] - ours[2 * n])[:, k].max() for n in MESHES[:-1]]
@@ -148,7 +134,7 @@ def b03():
 
 
 # P / Pmax, W at A, W at B
-ANNULUS = rows_of(
+ANNULUS = paths.rows_of(
     """
     0.025 1.305 1.789; 0.05 2.455 3.37; 0.075 3.435 4.72; 0.1 4.277 5.876; 0.125 5.007 6.872;
     0.15 5.649 7.736; 0.2 6.725 9.16; 0.25 7.602 10.288; 0.3 8.34 11.213; 0.35 8.974 11.992;
@@ -168,7 +154,7 @@ def annulus(u, v):
 
 def lifts(n_radial):
     """Return the lifts of A and B at the load factors of the table."""
-    mesh = mapped_patch(n_radial, 8 * n_radial, annulus)
+    mesh = patches.mapped_patch(n_radial, 8 * n_radial, annulus)
     material = ShellMaterial.homogeneous(young=21e6, poisson=0.0, density=1e-9, thickness=0.03)
     held, load = [Support.clamped("v0")], [EdgeTraction("v1", (0.0, 0.0, 0.8))]
     path = Statics(mesh, material, supports=held, loads=load).load_steps(ANNULUS[:, 0])
@@ -185,11 +171,11 @@ def b04():
     """
     coarse = "MITC4 on 10 x 80 is stiffer than S4R in the fully lifted state: see the finer mesh"
     meshes = {"10 x 80": (10, coarse), "20 x 160": (20, "")}
-    return path_checks(b04.CURVES, ("W at A", "W at B"), ANNULUS, lifts, meshes)
+    return paths.path_checks(b04.CURVES, ("W at A", "W at B"), ANNULUS, lifts, meshes)
 
 
 # P / Pmax, outward at A, inward at B
-HEMISPHERE = rows_of(
+HEMISPHERE = paths.rows_of(
     """
     0.05 0.855 0.955; 0.1 1.499 1.84; 0.15 1.969 2.604; 0.2 2.321 3.261; 0.25 2.596 3.833;
     0.3 2.819 4.339; 0.35 3.002 4.79; 0.4 3.158 5.196; 0.45 3.291 5.565; 0.5 3.406 5.902;
@@ -200,8 +186,8 @@ HEMISPHERE = rows_of(
 
 
 def deflections(n, *, exact=True):
-    mesh = mapped_patch(n, n, sphere, exact=exact)
-    quarter, a, b = pinched_hemisphere(mesh, 0.04, 200.0, density=1e-9)
+    mesh = patches.mapped_patch(n, n, patches.sphere, exact=exact)
+    quarter, a, b = patches.pinched_hemisphere(mesh, 0.04, 200.0, density=1e-9)
     path = quarter.load_steps(HEMISPHERE[:, 0])
     return np.array([[e.displacement[a, 0], -e.displacement[b, 1]] for e in path])
 
@@ -225,13 +211,13 @@ def b05():
     coarse = "membrane locking of plain MITC4 on warped quads: see the finer meshes"
     meshes = {f"{n} x {n}": (n, coarse if n == 16 else "") for n in (16, 32, 64)}
     names = ("outward at A", "inward at B")
-    yield from path_checks(b05.CURVES, names, HEMISPHERE, deflections, meshes)
+    yield from paths.path_checks(b05.CURVES, names, HEMISPHERE, deflections, meshes)
     names = tuple(f"{name}, 32 x 32, directors left to the mesh" for name in names)
-    yield from table_checks(names, deflections(32, exact=False), HEMISPHERE)
+    yield from paths.table_checks(names, deflections(32, exact=False), HEMISPHERE)
 
 
 # P / Pmax, -W at A, U at B
-CYLINDER = rows_of(
+CYLINDER = paths.rows_of(
     """
     0.05 9.561 -0.233; 0.075 15.648 -0.922; 0.1 23.164 -2.391; 0.125 29.375 -3.872;
     0.15 36.208 -2.154; 0.175 51.499 6.792; 0.2 56.373 10.448; 0.25 61.877 14.905;
@@ -248,7 +234,7 @@ DIMPLE = "2 %: bending strains of 14 % at A, where the laws part; the table is o
 def pinched_path(n, *, exact=True):
     """Return load factor, -W at A and U at B along the path, from no load."""
     material = ShellMaterial.homogeneous(young=3e4, poisson=0.3, density=1e-9, thickness=1.0)
-    eighth, a = pinched_cylinder(100.0, 100.0, n, material, 3000.0, exact=exact)
+    eighth, a = patches.pinched_cylinder(100.0, 100.0, n, material, 3000.0, exact=exact)
     b = int(eighth.mesh.node_set("u1")[0])
     path = eighth.arc_length(0.05, until=lambda e: e.factor > 1.0)
     points = [[e.factor, -e.displacement[a, 2], e.displacement[b, 0]] for e in path]
@@ -278,21 +264,25 @@ def b07():
         path = pinched_path(n)
         names = (f"-W at A, {n} x {n}", f"U at B, {n} x {n}")
         for k, band, reason in ((1, 0.02, DIMPLE), (2, 0.01, DISTANCE)):
-            b07.CURVES[names[k - 1]] = curve(path[:, k], path[:, 0], CYLINDER[:, k], CYLINDER[:, 0])
+            b07.CURVES[names[k - 1]] = paths.curve(
+                path[:, k], path[:, 0], CYLINDER[:, k], CYLINDER[:, 0]
+            )
             what = names[k - 1].replace(",", ": distance to the curve,")
-            off = distance_to_curve(path[:, [0, k]], CYLINDER[:, [0, k]])
+            off = paths.distance_to_curve(path[:, [0, k]], CYLINDER[:, [0, k]])
             yield zero(what, off, band, reason if n == 96 else coarse, gate=n == 96)
-        yield from table_checks(names, at_factors(path, CYLINDER[:, 0]), CYLINDER, steep)
+        yield from paths.table_checks(
+            names, paths.at_factors(path, CYLINDER[:, 0]), CYLINDER, steep
+        )
         if n == 48:
             means = pinched_path(n, exact=False)
             for k, name in ((1, "-W at A"), (2, "U at B")):
                 what = f"{name}: distance to the curve of directors left to the mesh, {n} x {n}"
-                off = distance_to_curve(path[:, [0, k]], means[:, [0, k]])
+                off = paths.distance_to_curve(path[:, [0, k]], means[:, [0, k]])
                 yield zero(what, off, 1e-3, "mean normals; points between those of the path")
 
 
 # P / Pmax, -W at the centre
-ROOF = rows_of(
+ROOF = paths.rows_of(
     """
     0.0877 0.693; 0.198 1.638; 0.3473 3.087; 0.4686 4.477; 0.5647 5.802; 0.6381 7.057;
     0.6908 8.237; 0.7246 9.339; 0.7412 10.358; 0.7421 11.293; 0.7286 12.141; 0.7023 12.903;
@@ -306,7 +296,7 @@ ROOF = rows_of(
 
 def snap_path(n, *, exact=True):
     """Return load factor and deflection of the centre along the path, from no load."""
-    roof, centre = hinged_roof(n, 12.7, exact=exact)
+    roof, centre = patches.hinged_roof(n, 12.7, exact=exact)
     path = roof.arc_length(0.1, until=lambda e: e.factor > 1.1, n_wanted=4)
     return np.array([[0.0, 0.0], *([e.factor, -e.displacement[centre, 2]] for e in path)])
 
@@ -328,20 +318,17 @@ def b09():
     upper = ROOF[ROOF[:, 1] < 15.0, 0].max()
     for n in (16, 32):
         path = snap_path(n)
-        fine = spline(path)
+        fine = paths.spline(path)
         rising = fine[:, 1] < 15.0
-        b09.CURVES[f"-W at the centre, {n} x {n}"] = curve(
+        b09.CURVES[f"-W at the centre, {n} x {n}"] = paths.curve(
             fine[::40, 1], fine[::40, 0], ROOF[:, 1], ROOF[:, 0]
         )
-        what, off = f"distance to the curve, {n} x {n}, worst of {len(ROOF)}", distance_to_curve
-        yield zero(what, off(path, ROOF), 0.01, DISTANCE)
+        what = f"distance to the curve, {n} x {n}, worst of {len(ROOF)}"
+        yield zero(what, paths.distance_to_curve(path, ROOF), 0.01, DISTANCE)
         what, why = f"upper limit load / Pmax, {n} x {n}", "largest of the table's points, 1 %"
         yield Check(what, upper, fine[rising, 0].max(), 0.01, why)
-        what, why = (
-            f"lower limit load / Pmax, {n} x {n}",
-            "least of the table's points, 1 % of Pmax",
-        )
-        lowest = fine[~rising, 0].min()
+        what, lowest = f"lower limit load / Pmax, {n} x {n}", fine[~rising, 0].min()
+        why = "least of the table's points, 1 % of Pmax"
         yield Check(what, ROOF[8:, 0].min(), lowest, 0.01, why, absolute=True)
-    off = distance_to_curve(snap_path(16, exact=False), ROOF)
+    off = paths.distance_to_curve(snap_path(16, exact=False), ROOF)
     yield zero("distance to the curve, 16 x 16, directors left to the mesh", off, 0.01, DISTANCE)

@@ -134,10 +134,9 @@ def path():
     axes=("Q = q a⁴ / (E h⁴)", "w0 / h; stresses times a² / (E h²)"),
 )
 def d04():
-    """D04 Von Karman's clamped circular plate, border fixed in its plane too.
-
-    Radius a, nu = 0.3, a / h = 1000, dead pressure Q = q a⁴ / E h⁴ up to 1000. Read: w0 / h;
-    membrane and bending stress, in the middle and radial at the border, all times a² / E h².
+    """The border is fixed in its plane too. Radius a, nu = 0.3, a / h = 1000, dead pressure Q = q
+    a⁴ / E h⁴ up to 1000. Read: w0 / h; membrane and bending stress, in the middle and radial at the
+    border, all times a² / E h².
 
     Source: exact for von Karman's theory, Chebyshev collocation, Newton to 1e-11. The model differs
     by the slope squared, 2e-4 at the last load.

@@ -10,10 +10,9 @@ from shellcut import CohesiveLaw, guillotine
 
 @case("F01", "Cohesive law, dissipated energy", axes=("opening, mm", "traction, MPa"))
 def f01():
-    """Cohesive law of the 2010 paper: dissipated energy.
-
-    sigma_F = 18, sigma_C = 12 MPa, l_A = 0.5, l_P = 3, l_U = 4 mm, opened monotonically. Read: area
-    below the traction, by the trapezoidal rule over its corners, and the law's own value.
+    """The law of the 2010 paper, sigma_F = 18, sigma_C = 12 MPa, l_A = 0.5, l_P = 3, l_U = 4 mm,
+    opened monotonically. Read: area below the traction, by the trapezoidal rule over its corners,
+    and the law's own value.
 
     Source: Frangi and others (2010), 5.1: 1.5 + 42 = 43.5 N/mm, exact.
     """
@@ -36,9 +35,7 @@ EXACT = 43.5 * 0.074
     "F02", "Steady cut, energy balance", axes=("path of the blade, mm", "work of the blade, N·mm")
 )
 def f02():
-    """Steady straight cut: the blade's work is the fracture energy.
-
-    A clamped strip of the film of 2010, cut along its middle without friction. Read: mean force
+    """A clamped strip of the film of 2010, cut along its middle without friction. Read: mean force
     over whole node periods of the steady part, the cables' part of it, and the imbalance of the
     energies.
 

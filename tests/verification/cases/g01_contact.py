@@ -2,20 +2,10 @@
 
 import numpy as np
 
+import shellcut as sc
 from blunt_tools import BOX_FACES, ball, blunt, box_corners
 from courses import course, moved_by, recorded
 from harness import Check, case, zero
-from shellcut import (
-    CohesiveLaw,
-    Contact,
-    Fracture,
-    Gravity,
-    Mesh,
-    ShellMaterial,
-    Simulation,
-    StraightMotion,
-    Support,
-)
 from shellcut.mesh.structured import disc, rectangle
 from shellcut.tool.shapes import straight_blade
 
@@ -39,12 +29,10 @@ def pulling(t):
 
 @case("G01", "Block on an incline")
 def g01():
-    """A block on an incline: it holds up to tan b = mu, then slides.
-
-    A square of film, flat, lies on a plane of the tool inclined by 25 degrees, pressed on it by a
-    load on its mass along the normal; a second load along the slope grows slowly. Read: the ratio
-    of the two at which it begins to slide, its acceleration afterwards, and what friction has
-    dissipated.
+    """It holds up to tan b = mu, then slides. A square of film, flat, lies on a plane of the tool
+    inclined by 25 degrees, pressed on it by a load on its mass along the normal; a second load
+    along the slope grows slowly. Read: the ratio of the two at which it begins to slide, its
+    acceleration afterwards, and what friction has dissipated.
 
     Source: Coulomb's law. It sticks while the slope load is below mu times the normal one, and then
     accelerates by their difference; friction does the work mu N times the distance.
@@ -53,19 +41,19 @@ def g01():
     growth are read from the root of the speed, which is linear in time.
     """
     flat = rectangle(2.0, 2.0, size=0.5)
-    mesh = Mesh.from_arrays((flat.nodes + np.array([0.0, 0.0, 1e-9])) @ FRAME.T, flat.quads)
+    mesh = sc.Mesh.from_arrays((flat.nodes + np.array([0.0, 0.0, 1e-9])) @ FRAME.T, flat.quads)
     loads = [
-        Gravity(tuple(-PRESSED * FRAME[:, 2]), factor=pressing),
-        Gravity(tuple(PRESSED * FRAME[:, 0]), factor=pulling),
+        sc.Gravity(tuple(-PRESSED * FRAME[:, 2]), factor=pressing),
+        sc.Gravity(tuple(PRESSED * FRAME[:, 0]), factor=pulling),
     ]
     corners = box_corners((-20.0, -5.0, -5.0), (20.0, 5.0, 0.0))  # the origin in its upper face
-    sim = Simulation(
+    sim = sc.Simulation(
         mesh,
-        ShellMaterial.homogeneous(),
+        sc.ShellMaterial.homogeneous(),
         loads=loads,
         tool=blunt(corners @ FRAME.T, BOX_FACES),
-        motion=StraightMotion((0.0, 1.0, 0.0), speed=1e-9),  # at rest
-        contact=Contact(friction=FRICTION),
+        motion=sc.StraightMotion((0.0, 1.0, 0.0), speed=1e-9),  # at rest
+        contact=sc.Contact(friction=FRICTION),
         damping_alpha=0.0,
     )
     s = sim.state
@@ -92,7 +80,7 @@ def g01():
 
 
 PLATE, ARM, SIZE, SPEED = 1.0, 1.0, 0.25, 6000.0  # mm, mm, mm, mm/s
-LAW = CohesiveLaw(
+LAW = sc.CohesiveLaw(
     strength=9.0, plateau=6.0, opening_a=0.01, opening_p=0.06, opening_u=0.08, onset=8e-4
 )
 TRAVEL = {10.0: 20.0, 20.0: 28.0, 30.0: 40.0}  # mm: of them the first half until it is steady
@@ -108,15 +96,15 @@ def force(angle_deg, friction):
     wedge = straight_blade(
         wedge_half_angle_deg=angle_deg, half_thickness=30.0, length=length, height=3.0
     )
-    sim = Simulation(
+    sim = sc.Simulation(
         strip,
-        ShellMaterial.homogeneous(thickness=PLATE),
-        supports=[Support.clamped("right")],
+        sc.ShellMaterial.homogeneous(thickness=PLATE),
+        supports=[sc.Support.clamped("right")],
         tool=wedge.translated((-0.01, 0.0, 0.0)),
-        motion=StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=1e-4),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=SPEED, ramp=1e-4),
         law=LAW,
-        contact=Contact(friction=friction),
-        fracture=Fracture(path="edges", blade_cut=False, turn_limit_deg=20.0),
+        contact=sc.Contact(friction=friction),
+        fracture=sc.Fracture(path="edges", blade_cut=False, turn_limit_deg=20.0),
         directional=False,
         damping_alpha=20.0,
     )
@@ -133,11 +121,9 @@ def force(angle_deg, friction):
 
 @case("G02", "Wedge with friction", fast=False)
 def g02():
-    """A wedge with Coulomb friction splits a stiff strip: the force over G h.
-
-    A plate 1 mm thick and 2 mm wide, free at its sides and clamped at its far end, is split along
-    its middle by a long wedge of half-angle a that drives the crack ahead of itself. The two arms
-    bend in their plane like beams until they lie on the faces of the wedge, and slide on. The
+    """A plate 1 mm thick and 2 mm wide, free at its sides and clamped at its far end, is split
+    along its middle by a long wedge of half-angle a that drives the crack ahead of itself. The two
+    arms bend in their plane like beams until they lie on the faces of the wedge, and slide on. The
     cables never meet the edge. Read: force over G h, from the work of the tool, and the work of
     friction over that.
 
@@ -170,13 +156,13 @@ GAP = 0.002
 def pressed(n_side, n_layer, depth):
     """Return the force at a depth, and the imbalance over the work."""
     mesh = disc(RIM / STRETCH, n_side=n_side, n_layer=n_layer)
-    sim = Simulation(
+    sim = sc.Simulation(
         mesh,
-        ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, thickness=THICKNESS),
-        supports=[Support.clamped("rim")],
+        sc.ShellMaterial.homogeneous(young=YOUNG, poisson=POISSON, thickness=THICKNESS),
+        supports=[sc.Support.clamped("rim")],
         tool=ball(BALL, 5).translated((ASIDE[0], ASIDE[1], BALL + GAP)),
-        motion=StraightMotion((0.0, 0.0, -1.0), speed=100.0, ramp=2e-4),
-        contact=Contact(),
+        motion=sc.StraightMotion((0.0, 0.0, -1.0), speed=100.0, ramp=2e-4),
+        contact=sc.Contact(),
         damping_alpha=3000.0,
     )
     sim.relax((STRETCH - 1.0) * mesh.nodes)
@@ -188,10 +174,8 @@ def pressed(n_side, n_layer, depth):
 
 @case("G03", "Ball on a membrane")
 def g03():
-    """A ball pressed into a stretched film: force over depth, between the nodes too.
-
-    A round film under an isotropic tension, clamped at its border; a triangulated ball moves down
-    slowly, a little off its middle. On the coarse mesh the circle of contact is smaller than a
+    """A round film under an isotropic tension, clamped at its border; a triangulated ball moves
+    down slowly, a little off its middle. On the coarse mesh the circle of contact is smaller than a
     quad: the film is met by the ball's corners between its nodes. Read: the force at a given depth.
 
     Source: membrane under a load F at the distance d from the middle of a disc of radius a, and the

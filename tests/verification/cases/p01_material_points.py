@@ -103,7 +103,7 @@ PATHS = {  # strain, number of the stress; equivalent stress and strain over the
 
 @case("P03", "Large strains of every law", fast=False)
 def p03():
-    """Every law pulled, stretched equibiaxially and sheared to a true strain of one.
+    """Each is pulled, stretched equibiaxially and sheared to a true strain of one.
 
     In a monotonic path the stress is the hardening curve itself: with the equivalent stress q and
     the plastic strain ε - q/E' of the path, q = sigma_y(p), exactly and in one step or many.

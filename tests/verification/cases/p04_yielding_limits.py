@@ -5,13 +5,12 @@ from scipy.optimize import minimize_scalar
 
 import shellcut as sc
 from harness import Check, case
-from shellcut import Elastic, Layer, Plastic, ShellMaterial, Statics, Support, Table
 from shellcut.material import MaterialPoint
 from shellcut.mesh.structured import disc, rectangle
 
 K, EXPONENT, H = 100.0, 0.2, 0.1
 PLASTIC = np.append(0.0, np.geomspace(1e-7, 1.0, 8000))
-FILM = Plastic(Elastic(1e6, 0.3, 1e-9), Table(PLASTIC, K * (1e-5 + PLASTIC) ** EXPONENT))
+FILM = sc.Plastic(sc.Elastic(1e6, 0.3, 1e-9), sc.Table(PLASTIC, K * (1e-5 + PLASTIC) ** EXPONENT))
 ELASTIC = "elastic strain 1e-4 and first yield at 1e-5"
 
 
@@ -30,14 +29,14 @@ def largest_of_strip():
     """Return the same of a strip whose end is drawn out step by step."""
     mesh = rectangle(4.0, 2.0, n_x=4, n_y=2)
     corner = np.flatnonzero(np.isclose(mesh.nodes[:, 1], mesh.nodes[:, 1].min()))
-    strip = Statics(
+    strip = sc.Statics(
         mesh,
-        ShellMaterial([Layer(FILM, H)], points_per_layer=1),
+        sc.ShellMaterial([sc.Layer(FILM, H)], points_per_layer=1),
         supports=[
-            Support("left", translation="x"),
-            Support("right", translation="x"),
-            Support(np.arange(mesh.n_node), translation="z", rotation="xyz"),
-            Support(corner, translation="y", rotation=""),
+            sc.Support("left", translation="x"),
+            sc.Support("right", translation="x"),
+            sc.Support(np.arange(mesh.n_node), translation="z", rotation="xyz"),
+            sc.Support(corner, translation="y", rotation=""),
         ],
     )
     end, before = mesh.node_set("right"), 0.0
@@ -57,10 +56,8 @@ def largest_of_strip():
 
 @case("P04", "Considère's maximum", fast=False)
 def p04():
-    """Considère: the largest force that a strip of a hardening film carries.
-
-    sigma = K eps^n, rigid before it yields: the force of a strip with free sides has its maximum at
-    eps = n, F = A0 K n^n exp(-n). With fixed sides it is at eps_1 = n as well, and larger by
+    """sigma = K eps^n, rigid before it yields: the force of a strip with free sides has its maximum
+    at eps = n, F = A0 K n^n exp(-n). With fixed sides it is at eps_1 = n as well, and larger by
     (2/sqrt 3)^(n+1). As a point, and as a strip of 4 x 2 quads by statics, drawn out beyond the
     maximum; it stays a prism. The maximum is flat: the law is a table of so many points that its
     place is seen to a thousandth.
@@ -114,14 +111,12 @@ def _on_its_rim(mesh):
 
 @case("P06", "Limit load of a circular plate", fast=False)
 def p06():
-    """Limit load of a circular plate under uniform pressure, von Mises.
-
-    p = 6.516 M0/R² simply supported, 12.552 M0/R² clamped, M0 = sigma_y t²/4. The plate is so stiff
-    (E/sigma_y = 1e5, R/t = 10) that its deflection at the limit is a thousandth of its thickness,
-    where membrane action hides nothing. The pressure is raised by half a per cent at a time until
-    the deflection is twenty times the elastic one. A clamped border is a plastic hinge, which the
-    quads have at their Gauss points, beside the border: this lowers the limit by the first order of
-    the quads' size.
+    """Uniform pressure, von Mises: p = 6.516 M0/R² simply supported, 12.552 M0/R² clamped, M0 =
+    sigma_y t²/4. The plate is so stiff (E/sigma_y = 1e5, R/t = 10) that its deflection at the limit
+    is a thousandth of its thickness, where membrane action hides nothing. The pressure is raised by
+    half a per cent at a time until the deflection is twenty times the elastic one. A clamped border
+    is a plastic hinge, which the quads have at their Gauss points, beside the border: this lowers
+    the limit by the first order of the quads' size.
 
     Source: Hopkins & Wang 1954.
     """

@@ -2,26 +2,15 @@
 
 import numpy as np
 
+import shellcut as sc
 from harness import Check, case, zero
-from shellcut import (
-    CohesiveLaw,
-    Elastic,
-    Fracture,
-    Layer,
-    Linear,
-    Plastic,
-    ShellMaterial,
-    Simulation,
-    Statics,
-    Support,
-)
 from shellcut.material.plastic import HISTORY
 from shellcut.mesh.structured import rectangle
 from shellcut.state import BROKEN
 
 E, YIELD, T, B, LENGTH = 10000.0, 1.0, 0.1, 0.5, 2.0
-HALF = Layer(Plastic(Elastic(E, 0.499, 1e-9), Linear(YIELD)), 0.5 * T)
-FILM = ShellMaterial([HALF, HALF], points_per_layer=9)
+HALF = sc.Layer(sc.Plastic(sc.Elastic(E, 0.499, 1e-9), sc.Linear(YIELD)), 0.5 * T)
+FILM = sc.ShellMaterial([HALF, HALF], points_per_layer=9)
 POINTS = "eighteen points through the thickness"
 STRAINS = "strains of 4e-4 over those at yield"
 KAPPA_Y = 2.0 * YIELD / (E * T)
@@ -35,13 +24,13 @@ class Strip:
         mesh = rectangle(LENGTH, B, n_x=8, n_y=1)
         corner = np.flatnonzero(np.isclose(mesh.nodes[:, 1], mesh.nodes[:, 1].min()))
         everyone = np.arange(mesh.n_node)
-        self.statics = Statics(
+        self.statics = sc.Statics(
             mesh,
             FILM,
             supports=[
-                Support("left", translation="xz", rotation="y"),
-                Support("right", translation="", rotation="y"),
-                Support(everyone if wide else corner, translation="y", rotation="x" * wide),
+                sc.Support("left", translation="xz", rotation="y"),
+                sc.Support("right", translation="", rotation="y"),
+                sc.Support(everyone if wide else corner, translation="y", rotation="x" * wide),
             ],
         )
         self.mesh, self.angle = mesh, 0.0
@@ -77,9 +66,7 @@ class Strip:
 
 @case("P05", "Bent strip, springback", fast=False)
 def p05():
-    """Bending of a strip beyond yield, and what is left after unloading.
-
-    Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its section may
+    """Perfectly plastic, turned at its ends to a curvature kappa. Narrow, so that its section may
     warp:
 
         M / M_y = 3/2 [1 - (kappa_y/kappa)²/3],   M_y = sigma_y b t²/6,   kappa_y = 2 sigma_y/(E t),
@@ -125,8 +112,8 @@ def p05():
 
 WIDTH, LONG, THICKNESS, SIZE = 14.0, 12.0, 0.1, 0.5
 LIGAMENTS = (2.0, 3.0, 4.0, 5.0, 6.0)
-SHEET = Plastic(Elastic(1000.0, 0.3, 1e-9), Linear(10.0, 25.0))
-LAW = CohesiveLaw(
+SHEET = sc.Plastic(sc.Elastic(1000.0, 0.3, 1e-9), sc.Linear(10.0, 25.0))
+LAW = sc.CohesiveLaw(
     strength=14.0, plateau=13.3, opening_a=0.02, opening_p=0.4, opening_u=0.5, onset=0.005
 )
 SPEED, RISE = 600.0, 2e-4  # mm/s of either end, s
@@ -142,14 +129,14 @@ def strip(ligament):
         mesh = mesh.cut(notch)
 
     def pulled(name, way):
-        return Support(name, velocity={"y": lambda t: way * SPEED * min(1.0, t / RISE)})
+        return sc.Support(name, velocity={"y": lambda t: way * SPEED * min(1.0, t / RISE)})
 
-    return Simulation(
+    return sc.Simulation(
         mesh,
-        ShellMaterial([Layer(SHEET, THICKNESS)], points_per_layer=1),
+        sc.ShellMaterial([sc.Layer(SHEET, THICKNESS)], points_per_layer=1),
         supports=[pulled("bottom", -1.0), pulled("top", 1.0)],
         law=LAW,
-        fracture=Fracture(path="edges"),
+        fracture=sc.Fracture(path="edges"),
         damping_alpha=200.0,
     )
 
@@ -170,11 +157,9 @@ def works(ligament):
 
 @case("P07", "Essential work of fracture")
 def p07():
-    """Essential work of fracture: strips notched on both sides, of five ligaments.
-
-    A strip of a yielding film is pulled apart through a ligament L between two notches. The work W
-    is that of the cables, G h L, and that of yielding beside the ligament, in an area of the order
-    L²:
+    """A strip of a yielding film is pulled apart through a ligament L between two notches. The work
+    W is that of the cables, G h L, and that of yielding beside the ligament, in an area of the
+    order L²:
 
         w_f = W/(h L) = w_e + beta w_p L.
 

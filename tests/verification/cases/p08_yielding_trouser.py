@@ -18,8 +18,6 @@ torn at half the speed. The crack runs along a straight line of sides.
 Source: energy balance. Slopes over w by fitted lines: the crack grows by one side at a time.
 """
 
-from functools import partial
-
 import numpy as np
 
 from courses import recorded
@@ -39,10 +37,6 @@ EDGES = "the crack grows by element sides"
 LOSSES = "losses, growth by element sides"
 
 
-def _velocity(time, speed):
-    return speed * min(1.0, time / RISE)
-
-
 def strip(young, speed, length=LENGTH):
     """Return a strip whose two legs, beside a notch along its middle line of sides, are pulled."""
     mesh = trouser_strip(length, WIDTH, SIZE)
@@ -50,14 +44,15 @@ def strip(young, speed, length=LENGTH):
     slit = np.flatnonzero((np.abs(y) < 1e-9) & (x <= NOTCH + 1e-9))
     mesh = mesh.cut(slit[np.argsort(x[slit])])
     film = Plastic(Elastic(young, 0.3, 1e-9), Linear(YIELD, HARDENING))
-    legs = [
-        Support(leg, translation="yz", rotation="", velocity={"z": partial(_velocity, speed=rate)})
-        for leg, rate in (("up", speed), ("down", -speed))
-    ]
+
+    def pulled(leg, speed):
+        rate = {"z": lambda time: speed * min(1.0, time / RISE)}
+        return Support(leg, translation="yz", rotation="", velocity=rate)
+
     return Simulation(
         mesh,
         ShellMaterial([Layer(film, THICKNESS)], points_per_layer=5),
-        supports=[Support.clamped("tail"), *legs],
+        supports=[Support.clamped("tail"), pulled("up", speed), pulled("down", -speed)],
         law=TEAR_LAW,
         fracture=Fracture(path="edges", check_every=5),
         damping_alpha=10.0,

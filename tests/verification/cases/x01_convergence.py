@@ -5,17 +5,7 @@ from functools import partial
 import numpy as np
 
 from cases import a03_curved_shells as shells
-from cases.a08_plates import (
-    EDGES,
-    EXACT_THIN,
-    POISSON,
-    SYMMETRY,
-    YOUNG,
-    deflection,
-    flat,
-    shear_stiffness,
-    stiffness,
-)
+from cases import a08_plates as plates
 from cases.paths import curve, order_curve
 from harness import Check, case
 from patches import mapped_patch, spacing, sphere
@@ -23,8 +13,8 @@ from shellcut import EdgeTraction, NodalForce, Pressure, ShellMaterial, Statics,
 from shellcut.mesh.structured import disc
 
 
-def material(thickness, poisson=POISSON):
-    return ShellMaterial.homogeneous(young=YOUNG, poisson=poisson, thickness=thickness)
+def material(thickness, poisson=plates.POISSON):
+    return ShellMaterial.homogeneous(young=plates.YOUNG, poisson=poisson, thickness=thickness)
 
 
 def relative(ours, exact):
@@ -34,13 +24,13 @@ def relative(ours, exact):
 def plate(n):
     """Return quad size and error; so for the others."""
     thickness, wave = 0.1, 2.0 * np.pi**2
-    mesh = mapped_patch(n, n, flat)
+    mesh = mapped_patch(n, n, plates.flat)
     shape = np.cos(np.pi * mesh.nodes[:, 0]) * np.cos(np.pi * mesh.nodes[:, 1])
     area = np.bincount(mesh.quads.ravel(), weights=np.repeat(0.25 * mesh.quad_areas(), 4))
     loads = [NodalForce([i], (0.0, 0.0, f)) for i, f in enumerate(shape * area)]
-    supports = SYMMETRY + EDGES["simply supported"]
+    supports = plates.SYMMETRY + plates.EDGES["simply supported"]
     u, _ = Statics(mesh, material(thickness), supports=supports, loads=loads).linear()
-    softness = 1.0 / (stiffness(thickness) * wave) + 1.0 / shear_stiffness(thickness)
+    softness = 1.0 / (plates.stiffness(thickness) * wave) + 1.0 / plates.shear_stiffness(thickness)
     return spacing(mesh), relative(u[:, 2], shape * softness / wave)
 
 
@@ -49,7 +39,8 @@ def round_plate(n):
     held, loads = [Support.clamped("rim")], [Pressure(1.0)]
     u, _ = Statics(mesh, material(thickness), supports=held, loads=loads).linear()
     inside = 1.0 - (mesh.nodes**2).sum(axis=1)
-    exact = inside**2 / (64.0 * stiffness(thickness)) + inside / (4.0 * shear_stiffness(thickness))
+    bent = inside**2 / (64.0 * plates.stiffness(thickness))
+    exact = bent + inside / (4.0 * plates.shear_stiffness(thickness))
     return spacing(mesh), relative(u[:, 2], exact)
 
 
@@ -67,13 +58,13 @@ def tube(n):
     planes = [Support.symmetry(*plane) for plane in (("u0", "x"), ("u1", "z"), ("v0", "y"))]
     u, _ = Statics(mesh, material(thickness), supports=planes, loads=[Pressure(1.0)]).linear()
     radial = (u * mesh.directors).sum(axis=1)
-    return 0.5 * np.pi / n, relative(radial, np.full(mesh.n_node, 1.0 / (YOUNG * thickness)))
+    return 0.5 * np.pi / n, relative(radial, np.full(mesh.n_node, 1.0 / (plates.YOUNG * thickness)))
 
 
 def arch_deflection(n, thickness):
     """Return the radial deflection under a radial end force over π P R³ / (4 E I)."""
     mesh = mapped_patch(n, 1, arc)
-    load = EdgeTraction("u1", (YOUNG * thickness**3 / (3.0 * np.pi), 0.0, 0.0))
+    load = EdgeTraction("u1", (plates.YOUNG * thickness**3 / (3.0 * np.pi), 0.0, 0.0))
     held, film = [Support.clamped("u0")], material(thickness, poisson=0.0)
     u, _ = Statics(mesh, film, supports=held, loads=[load]).linear()
     return float(u[mesh.node_set("u1"), 0].mean())
@@ -139,10 +130,10 @@ def skewed(place, n_u, n_v):
 
 def over_exact(edge, place, thickness):
     """Return the deflection of a plate over the exact one, thin if clamped, else with its shear."""
-    exact = EXACT_THIN[edge]
+    exact = plates.EXACT_THIN[edge]
     if edge == "simply supported":
-        exact += 0.0736713 * stiffness(thickness) / shear_stiffness(thickness)
-    return deflection(edge, thickness, N, place) / exact
+        exact += 0.0736713 * plates.stiffness(thickness) / plates.shear_stiffness(thickness)
+    return plates.deflection(edge, thickness, N, place) / exact
 
 
 def arch_over_exact(thickness):
@@ -178,8 +169,8 @@ def x02():
     The skewed mesh: the sides are divided as 1 : 2 : ... : N, opposite ones in reverse, and joined
     by lines straight in the map.
     """
-    for name, place in (("regular", flat), ("skewed", skewed(flat, N, N))):
-        clamped, supported = (partial(over_exact, edge, place) for edge in EXACT_THIN)
+    for name, place in (("regular", plates.flat), ("skewed", skewed(plates.flat, N, N))):
+        clamped, supported = (partial(over_exact, edge, place) for edge in plates.EXACT_THIN)
         yield from flat_rows(f"supported plate, {name}", supported)
         # the thick clamped plate has no closed form
         yield from flat_rows(f"clamped plate, {name}", clamped, thicknesses=THICKNESSES[1:])

@@ -79,11 +79,9 @@ def frequencies(name, number):
     axes=("time, s", "displacement along the mode, over its amplitude"),
 )
 def y01():
-    """Free vibration by the explicit driver against the mode of the tangent.
-
-    Films in three states (a clamped plate, a cylindrical roof, a membrane stretched by 1 %) start
-    with the velocity of a mode, of an amplitude of 1e-4 of the thickness. Read: the frequency, by
-    the best sine through some twenty periods of the film's part along the mode.
+    """Films in three states (a clamped plate, a cylindrical roof, a membrane stretched by 1 %)
+    start with the velocity of a mode, of an amplitude of 1e-4 of the thickness. Read: the
+    frequency, by the best sine through some twenty periods of the film's part along the mode.
 
     Reference: :meth:`Statics.modes` with the driver's own inertia; the central difference shortens
     the period, sin(omega_n dt / 2) = omega dt / 2, which is included. Band: kind fit, 1e-5: what is
@@ -145,9 +143,7 @@ def exact(dt, omega, alpha, beta):
     "Y02", "Decay rates of alpha and beta", axes=("ω t", "displacement of the end over the largest")
 )
 def y02():
-    """Decay under mass damping alpha and stiffness damping beta, by the explicit driver.
-
-    A short strip swings along itself in one of its modes, so fast (omega dt 0.2 to 1) and so
+    """A short strip swings along itself in one of its modes, so fast (omega dt 0.2 to 1) and so
     strongly damped that what the integrator makes of the damping shows. Read: rate of decay and
     frequency, from q_{n+1} = A q_n + B q_{n-1} by least squares, which one swing fulfils exactly.
 
@@ -221,12 +217,10 @@ def growth(mesh, beta, dt):
 
 @case("Y03", "Exact critical step")
 def y03():
-    """The exact critical step: stable just below, unstable just above, and the driver's own bound.
-
-    Seven films start with random velocities of 1e-2 mm/s and run 600 steps at 0.95 and at 1.05 of
-    the exact step 2 / omega (sqrt(1 + xi²) - xi), xi = beta omega / 2, undamped and damped; omega
-    is :meth:`Statics.largest_frequency`. Read: growth of the largest velocity, and the driver's
-    safe bound over the exact step.
+    """Seven films start with random velocities of 1e-2 mm/s and run 600 steps at 0.95 and at 1.05
+    of the exact step 2 / omega (sqrt(1 + xi²) - xi), xi = beta omega / 2, undamped and damped;
+    omega is :meth:`Statics.largest_frequency`. Read: growth of the largest velocity, and the
+    driver's safe bound over the exact step.
 
     Bands are bounds: growth below 10 and above 1e4; the safe bound between 0.8 and 1 of the exact
     step on the first five meshes. Where quads differ it lies lower (0.71 to 0.79), for information:

@@ -23,13 +23,8 @@ def write_inside_out(path):
     path.write_text("\n".join([*lines, "endsolid cap", ""]))
 
 
-def main(folder):
-    """Write all of them."""
+if __name__ == "__main__":
+    folder = Path(sys.argv[1])
     write_inside_out(folder / "cap.stl")
     disc = unstructured_disc(spacing=SPACING)
     write_gmsh(folder / "disc.msh", disc, rim="clamped", quads="membrane")
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))
-    print("{}")
