@@ -11,12 +11,14 @@ SHARE = 3
 COUNT = 300
 SEED = 54
 RECORD = mutants.ROOT / "build/mutants.jsonl"
+PROCESS = 0
+"""Which of several processes this is: each has a copy of the tree."""
 ROWS = {"mutants": ("a test fails where a line of the method is broken", "`tests/mutants.py`")}
 
 
 @functools.cache
 def copy():
-    return mutants.Copy(mutants.ROOT / "build/mutants")
+    return mutants.Copy(mutants.ROOT / f"build/mutants-{PROCESS}")
 
 
 def trials():

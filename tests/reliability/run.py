@@ -1,9 +1,9 @@
 """Try every promise for some minutes; print the table, and write docs/reliability.md.
 
-``python tests/reliability/run.py --minutes 90 --json r.json`` tries all kinds. With ``--json`` the
-rows of kinds that were not tried are taken from that file. ``--only kills fuzz`` tries some kinds,
-and writes the page if there is such a file. ``--only kills --trial 37`` makes one trial again, as
-a failure names it.
+``python tests/reliability/run.py --minutes 90 --json r.json`` tries all kinds, each in two
+processes, or ``--jobs``, that share its trials. With ``--json`` the rows of kinds that were not
+tried are taken from that file. ``--only kills fuzz`` tries some kinds, and writes the page if there
+is such a file. ``--only kills --trial 37`` makes one trial again, as a failure names it.
 """
 
 import argparse
@@ -14,7 +14,9 @@ import sys
 import tempfile
 import time
 import traceback
+from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
+from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -41,18 +43,24 @@ KINDS = {
     "supply": supply,
     "faults": faults,
     "bits": bits,
-    "mutants": mutation,
     "invariants": invariants,
     "fuzz": fuzz,
     "kills": kills,
+    "mutants": mutation,
 }
+MOST = {kind: table.WANTED[kind] for kind in ("fuzz", "kills")}  # of those without an end
 MOST_SURVIVORS = 0.1  # of the mutants
 MOST_SHOWN = 20  # failures of a row whose texts are kept
 
 
+def empty_row():
+    """Return a row before its first trial."""
+    return {"tried": 0, "kept": 0, "failures": [], "not_possible": []}
+
+
 def made(kind, number, trial, rows):
     """Make one trial and count it in its row."""
-    row = rows.setdefault(trial.row, {"tried": 0, "kept": 0, "failures": [], "not_possible": []})
+    row = rows.setdefault(trial.row, empty_row())
     folder = Path(tempfile.mkdtemp(prefix=f"shellcut-{kind}-"))
     try:
         trial.do(folder)
@@ -69,13 +77,25 @@ def made(kind, number, trial, rows):
     row["tried"] += 1
 
 
-def tried(kind, seconds):
-    """Make trials of a kind until the time is up, one at least; return its rows."""
+def tried(kind, seconds, process=0, jobs=1):
+    """Make one process's share of the trials of a kind until the time is up; return its rows."""
     rows, end = {}, time.monotonic() + seconds
-    for number, trial in enumerate(KINDS[kind].trials()):
+    mutation.PROCESS = process
+    for number, trial in islice(enumerate(KINDS[kind].trials()), process, MOST.get(kind), jobs):
         made(kind, number, trial, rows)
         if time.monotonic() > end:
             break
+    return rows
+
+
+def together(parts):
+    """Return the rows of several processes as one, in the order of the kind's own rows."""
+    rows = {}
+    for part in parts:
+        for name, found in part.items():
+            row = rows.setdefault(name, empty_row())
+            for key, value in found.items():
+                row[key] += value
     for row in rows.values():
         row["failed"] = len(row["failures"])
         row["failures"] = row["failures"][:MOST_SHOWN]
@@ -87,6 +107,7 @@ def main():
     parser.add_argument("--minutes", type=float, default=90.0)
     parser.add_argument("--json", type=Path, help="rows of all kinds, renewed")
     parser.add_argument("--only", nargs="+", choices=KINDS, default=[*KINDS], metavar="KIND")
+    parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--trial", type=int, help="make this one trial of the kinds")
     given = parser.parse_args()
     end = time.monotonic() + 60.0 * given.minutes
@@ -100,17 +121,20 @@ def main():
         return
     record = json.loads(given.json.read_text()) if given.json and given.json.exists() else {}
     rest = list(given.only)
-    while rest:
-        kind = rest.pop(0)
-        left, share = end - time.monotonic(), KINDS[kind].SHARE
-        seconds = left * share / (share + sum(KINDS[other].SHARE for other in rest))
-        began = time.monotonic()
-        rows = tried(kind, seconds)
-        record[kind] = {"rows": rows, "seconds": time.monotonic() - began, **table.stamp()}
-        n = [sum(row[name] for row in rows.values()) for name in ("tried", "kept", "failed")]
-        print(f"{kind}: {n[0]} tried, {n[1]} kept, {n[2]} failed", flush=True)
-        if given.json:
-            given.json.write_text(json.dumps(record, indent=1))
+    with ProcessPoolExecutor(given.jobs, get_context("fork"), tiny.apart) as pool:
+        while rest:
+            kind = rest.pop(0)
+            left, share = end - time.monotonic(), KINDS[kind].SHARE
+            seconds = left * share / (share + sum(KINDS[other].SHARE for other in rest))
+            began = time.monotonic()
+            asked = ([one] * given.jobs for one in (kind, seconds))
+            parts = pool.map(tried, *asked, range(given.jobs), [given.jobs] * given.jobs)
+            rows = together(parts)
+            record[kind] = {"rows": rows, "seconds": time.monotonic() - began, **table.stamp()}
+            n = [sum(row[name] for row in rows.values()) for name in ("tried", "kept", "failed")]
+            print(f"{kind}: {n[0]} tried, {n[1]} kept, {n[2]} failed", flush=True)
+            if given.json:
+                given.json.write_text(json.dumps(record, indent=1))
     print(table.of(record, KINDS))
     if given.json or len(given.only) == len(KINDS):
         table.write_page(record, KINDS)

@@ -49,6 +49,12 @@ def folder():
     return made
 
 
+def apart():
+    """Let this process make all in a folder of its own, within that of its parent."""
+    tempfile.tempdir = str(folder())
+    folder.cache_clear()
+
+
 def measured():
     """Return a measured curve: that of the strip, a tenth higher."""
     path = folder() / "measured.csv"
