@@ -6,7 +6,7 @@
 import argparse
 from pathlib import Path
 
-from shellcut.command_line.exit_code import MEANINGS
+from shellcut.command_line.shared import MEANINGS
 from shellcut.command_line.main import parser_of_all
 
 PAGE = Path(__file__).parent / "command-line.md"

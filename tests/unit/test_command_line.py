@@ -20,7 +20,7 @@ import pytest
 import shellcut
 from shellcut import read_model, report_run
 from shellcut.command_line import main
-from shellcut.command_line.exit_code import MEANINGS
+from shellcut.command_line.shared import MEANINGS
 from shellcut.models import Case
 from shellcut.numerics.jit import on_compilation
 from shellcut.recording.run_log import RunLog

@@ -13,7 +13,7 @@ from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
 from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
-from shellcut.study.free_parameters import FreeParameters
+from shellcut.study.fit_runs import FreeParameters
 from shellcut.study.plan import sought
 from shellcut.study.report import report_found
 from tiny_study import SETTINGS

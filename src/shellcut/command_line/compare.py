@@ -15,8 +15,7 @@ from pathlib import Path
 from shellcut.files.file_list import target
 from shellcut.results.comparison import Comparison, compare
 
-from .exit_code import BAD_INPUT, DONE
-from .shared_arguments import named
+from .shared import BAD_INPUT, DONE, named
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:

@@ -12,8 +12,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .exit_code import refuse
-from .shared_arguments import add_engine_to, add_settings_to, keys_with_values, named, print_found
+from shellcut.results.error_bars import CONVERGED, ERROR_BARS
+from shellcut.study.converge import converge
+
+from .shared import add_engine_to, add_settings_to, keys_with_values, named, print_found, refuse
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -31,9 +33,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run what is not done yet, print the table."""
-    from shellcut.results.error_bars import CONVERGED, ERROR_BARS
-    from shellcut.study.converge import converge
-
     model, out = Path(arguments.model), arguments.out
     if model.is_dir():
         model, out = model / "used.toml", out or model / CONVERGED

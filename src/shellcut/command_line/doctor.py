@@ -23,7 +23,7 @@ from shellcut.files.distribution import DISTRIBUTION, pip_install
 from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.threads import available_cores
 
-from .exit_code import BAD_INPUT, DONE
+from .shared import BAD_INPUT, DONE
 
 _REQUIRED = (DISTRIBUTION, "numpy", "scipy", "numba", "h5py", "meshio")
 # What an optional package is for, and the extra that installs it.

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from shellcut.study.fit import Search
+from shellcut.study.curve_misfit import FitCurve
+from shellcut.study.fit import Search, fit
+from shellcut.view import can_draw
 
 from .compare import parted
-from .shared_arguments import (
+from .shared import (
     add_engine_to,
     add_options,
     add_settings_to,
@@ -26,9 +27,6 @@ from .shared_arguments import (
     named,
     print_found,
 )
-
-if TYPE_CHECKING:
-    from shellcut.study.curve_misfit import FitCurve
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -65,9 +63,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Fit, print the result."""
-    from shellcut.study.fit import fit
-    from shellcut.view import can_draw
-
     return print_found(
         arguments,
         lambda executor: fit(
@@ -86,8 +81,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _curves(arguments: argparse.Namespace) -> list[FitCurve]:
     """Return the curves: a file with several quantities, or files with one each."""
-    from shellcut.study.curve_misfit import FitCurve
-
     files, names = arguments.measured, arguments.y or [""]
     if len(files) == 1:
         files = files * len(names)

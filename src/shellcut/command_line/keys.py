@@ -16,7 +16,7 @@ from shellcut.model_file.key_index import Table, found, questions
 from shellcut.model_file.schema import schema
 from shellcut.study.study_file import study_schema
 
-from .exit_code import DONE
+from .shared import DONE
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:

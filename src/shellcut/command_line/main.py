@@ -6,9 +6,10 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
 from io import TextIOWrapper
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO, cast
 
 from shellcut.files.distribution import VERSION, another_project
 from shellcut.model_file import ModelFileError
@@ -38,9 +39,7 @@ from . import (
     view,
     warmup,
 )
-from .exit_code import in_lines, refuse
-from .listener import ignore_closed_pipe
-from .shared_arguments import add_shown_in_to
+from .shared import add_shown_in_to, in_lines, refuse
 
 _COMMANDS = (
     *(run, resume, verify, sweep, converge, fit, optimise, preview),
@@ -146,3 +145,44 @@ def parser_of_all() -> _Parser:
         if name in _SHOWING:
             add_shown_in_to(of)
     return parser
+
+
+@contextmanager
+def ignore_closed_pipe() -> Iterator[None]:
+    """Drop printed text once the pipe behind standard output is closed.
+
+    ``shellcut compare ... | head -1`` closes it after the first line; the files are still written.
+    """
+    output = _Output(sys.stdout)
+    with redirect_stdout(cast("TextIO", output)):
+        try:
+            yield
+        finally:
+            output.flush()
+
+
+class _Output:
+    """A stream that drops its text once its pipe is closed."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        self._tried(self._stream.write, text)
+        return len(text)
+
+    def flush(self) -> None:
+        self._tried(self._stream.flush)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def _tried(self, do: Callable[..., object], *what: str) -> None:
+        try:
+            do(*what)
+        except BrokenPipeError:
+            # Redirect the file descriptor: the stream still flushes its own lines at exit.
+            with suppress(OSError):
+                nothing = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(nothing, self._stream.fileno())
+                os.close(nothing)

@@ -14,7 +14,9 @@ from __future__ import annotations
 
 import argparse
 
-from .shared_arguments import (
+from shellcut.study.optimise import OPTIMUM, optimise
+
+from .shared import (
     add_engine_to,
     add_settings_to,
     keys_with_values,
@@ -58,8 +60,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, print the best values."""
-    from shellcut.study.optimise import OPTIMUM, optimise
-
     confirm, given = None, arguments.confirm  # by a finer film
     if given is not None:
         confirm = {} if given == ["none"] else keys_with_values("--confirm", given)

@@ -9,17 +9,14 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from shellcut.files.file_list import target
+from shellcut.model_file import Model, ModelFileError, read_model
 from shellcut.model_file.spelling import in_keys
+from shellcut.models.preview import preview, preview_parts
 from shellcut.recording.run_log import RunLog
 
-from .exit_code import BAD_INPUT, DONE, refuse
-from .shared_arguments import add_settings_to, keys_with_values, named
-
-if TYPE_CHECKING:
-    from shellcut.model_file import Model
+from .shared import BAD_INPUT, DONE, add_settings_to, keys_with_values, named, refuse
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -33,9 +30,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Build the model, draw it, print its contents."""
-    from shellcut.model_file import ModelFileError, read_model
-    from shellcut.models.preview import preview
-
     model = None
     with RunLog(words=in_keys).library_said():
         try:
@@ -59,8 +53,6 @@ def _picture(arguments: argparse.Namespace, model: Model) -> Path:
 
 def _draw_refused(model: Model | None, arguments: argparse.Namespace, problem: ValueError) -> int:
     """Draw the valid parts of a model, print its errors; return the code for bad input."""
-    from shellcut.models.preview import preview_parts
-
     parts = None if model is None else model.parts()
     if model and parts is not None and not (parts.mesh is None and parts.tool is None):
         try:

@@ -11,10 +11,14 @@ import argparse
 from pathlib import Path
 
 from shellcut.report import report_run
+from shellcut.study.fit_result import FIT
+from shellcut.study.optimise import OPTIMUM
+from shellcut.study.plan import RUNS
+from shellcut.study.report import report_found, report_study
+from shellcut.study.study_file import STUDY
 
 from .compare import add_columns_to, compared
-from .exit_code import DONE
-from .shared_arguments import named
+from .shared import DONE, named
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -42,12 +46,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _written(arguments: argparse.Namespace) -> Path:
-    from shellcut.study.fit_result import FIT
-    from shellcut.study.optimise import OPTIMUM
-    from shellcut.study.plan import RUNS
-    from shellcut.study.report import report_found, report_study
-    from shellcut.study.study_file import STUDY
-
     folder: Path = arguments.folder
     there = [name for name in (STUDY, FIT, OPTIMUM) if (folder / name).is_file()]
     if arguments.measured and there:

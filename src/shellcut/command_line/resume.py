@@ -11,10 +11,8 @@ from pathlib import Path
 from shellcut.files.run_folder import USED
 from shellcut.recording.run_log import RunLog
 
-from .exit_code import refuse
-from .run_model import run_model
-from .shared_arguments import add_verbose_to, named
-from .stored_model import stored_model
+from .run_model import run_model, stored_model
+from .shared import add_verbose_to, named, refuse
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:

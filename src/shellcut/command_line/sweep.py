@@ -10,14 +10,18 @@ for each run.
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
 
 from shellcut.formats.errors import counted
 from shellcut.model_file.key_index import with_values
-from shellcut.study.design import Design
+from shellcut.study.engines import engine_of
+from shellcut.study.factors import Design, factors_of
+from shellcut.study.plan import FEW_FILES, Definition, Plan
+from shellcut.study.study import done_before, run_study
+from shellcut.study.study_file import is_study, read_study
 
-from .exit_code import DONE, FAILED, refuse
-from .shared_arguments import (
+from .shared import (
+    DONE,
+    FAILED,
     add_engine_to,
     add_options,
     add_settings_to,
@@ -25,10 +29,8 @@ from .shared_arguments import (
     keys_with_values,
     made_of,
     named,
+    refuse,
 )
-
-if TYPE_CHECKING:
-    from shellcut.study.plan import Plan
 
 _DRY_SHOWN = 20  # runs of a plan that are printed
 
@@ -45,9 +47,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Plan, run, and say where the table is."""
-    from shellcut.study.engines import engine_of
-    from shellcut.study.study import done_before, run_study
-
     if arguments.out is None and not arguments.dry_run:
         return refuse("give a folder for the study: -o OUT")
     planned = _planned(arguments)
@@ -67,10 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _planned(arguments: argparse.Namespace) -> Plan:
     """Return the plan of a model with its factors, or of a study file."""
-    from shellcut.study.factors import factors_of
-    from shellcut.study.plan import FEW_FILES, Definition
-    from shellcut.study.study_file import is_study, read_study
-
     given = keys_with_values(
         "--set", arguments.settings, str
     )  # texts: a study also reads several values, and ranges

@@ -19,8 +19,7 @@ from shellcut.formats.number_table import read_number_table
 from shellcut.tensile import evaluate_tensile
 from shellcut.unit import conversion
 
-from .exit_code import DONE
-from .shared_arguments import named
+from .shared import DONE, named
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:

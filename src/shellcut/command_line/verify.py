@@ -15,21 +15,18 @@ import tempfile
 from contextlib import closing
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from shellcut.files.distribution import VERSION
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SPLITS, USED
+from shellcut.model_file import Model
 from shellcut.recording.run_log import RunLog
 from shellcut.results.run_results import summary_in
+from shellcut.simulation.instability import UnstableStep
+from shellcut.study.one_run import outcome_in
 
-from .exit_code import DONE, FAILED
-from .run_model import built
-from .shared_arguments import named
-from .stored_model import stored_model
-
-if TYPE_CHECKING:
-    from shellcut.model_file import Model
+from .run_model import built, stored_model
+from .shared import DONE, FAILED, named
 
 _SHOWN = 60  # characters of a cell that are quoted
 _WRITTEN_BY = re.compile(r"^# shellcut (\S+), model ", re.M)
@@ -42,8 +39,6 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the stored model again, compare, and say the first difference."""
-    from shellcut.simulation.instability import UnstableStep
-
     folder: Path = arguments.out
     model = stored_model(folder)
     digest = _digest_of(folder)
@@ -71,8 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _digest_of(folder: Path) -> str:
     """Return the digest of a run; ValueError if another version wrote it, or it has not ended."""
-    from shellcut.study.one_run import outcome_in
-
     written_by = _WRITTEN_BY.search(read_regular(folder / USED).decode())
     version = written_by[1] if written_by else "unknown"
     if version != VERSION:

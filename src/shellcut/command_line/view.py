@@ -22,8 +22,7 @@ from shellcut.results.run_results import Results, read
 from shellcut.scene_page import spread, view_html
 from shellcut.view import MOVIES, Look, draw_movie, draw_scene
 
-from .exit_code import DONE
-from .shared_arguments import add_options, made_of, named
+from .shared import DONE, add_options, made_of, named
 
 PICTURES = ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pdf"
 """Suffixes of pictures that Pillow writes."""

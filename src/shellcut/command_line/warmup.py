@@ -12,7 +12,7 @@ import time
 
 from shellcut.models.warmup import MODELS, warmup
 
-from .exit_code import DONE
+from .shared import DONE
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:

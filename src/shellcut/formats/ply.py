@@ -19,6 +19,7 @@ _TYPES = {
     **dict.fromkeys(("float", "float32"), "f4"),
     **dict.fromkeys(("double", "float64"), "f8"),
 }
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _FACE_LISTS = ("vertex_indices", "vertex_index")
 
 
@@ -95,20 +96,23 @@ class _Reader(Content):
             raise self.error("a PLY file must have a header from 'ply' to 'end_header'")
         self.at = stop + 1
         for line in self.content[:end].decode("latin-1").splitlines()[1:]:
-            words = line.split()
-            if not words or words[0] in ("comment", "obj_info"):
-                continue
-            if words[0] == "format" and len(words) == 3 and words[2] == "1.0":
-                orders = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-                if words[1] not in orders:
-                    raise self.error(f"the format must be one of {', '.join(orders)}")
-                self.order = orders[words[1]]
-            elif words[0] == "element" and len(words) == 3 and words[2].isdigit():
-                self.elements.append(_Element(words[1], int(words[2])))
-            elif words[0] == "property" and self.elements and self._property(words):
-                continue
-            else:
-                raise self.error(f"this line of the header is invalid: {line!r}")
+            kinds = _TYPES if self.elements else {}  # of properties, which belong to an element
+            match line.split():
+                case [] | ["comment" | "obj_info", *_]:
+                    continue
+                case ["format", order, "1.0"] if order in _ORDERS:
+                    self.order = _ORDERS[order]
+                case ["format", _, "1.0"]:
+                    raise self.error(f"the format must be one of {', '.join(_ORDERS)}")
+                case ["element", name, count] if count.isdigit():
+                    self.elements.append(_Element(name, int(count)))
+                case ["property", "list", of_count, kind, name] if {of_count, kind} <= {*kinds}:
+                    listed = _Property(name, kinds[kind], kinds[of_count])
+                    self.elements[-1].properties.append(listed)
+                case ["property", kind, name] if kind in kinds:
+                    self.elements[-1].properties.append(_Property(name, kinds[kind]))
+                case _:
+                    raise self.error(f"this line of the header is invalid: {line!r}")
         if bare := [e for e in self.elements if e.count and not e.properties]:
             raise self.error(
                 f"elements must have properties, got {bare[0].count:,} of {bare[0].name} without"
@@ -122,15 +126,6 @@ class _Reader(Content):
             raise self.error("there must be an element vertex with x, y and z")
         if not lists.get("face", set()) & set(_FACE_LISTS):
             raise self.error(f"there must be an element face with a list {_FACE_LISTS[0]}")
-
-    def _property(self, words: list[str]) -> bool:
-        properties = self.elements[-1].properties
-        n = len(properties)
-        if len(words) == 5 and words[1] == "list" and {words[2], words[3]} <= set(_TYPES):
-            properties.append(_Property(words[4], _TYPES[words[3]], _TYPES[words[2]]))
-        elif len(words) == 3 and words[1] in _TYPES:
-            properties.append(_Property(words[2], _TYPES[words[1]]))
-        return len(properties) > n
 
     def _row(self, element: _Element) -> dict[str, list[float]]:
         row = {}

@@ -19,15 +19,12 @@ from shellcut.material.shell_material import ShellMaterial
 from .errors import ModelFileError, Problem, is_refusal
 from .key import REQUIRED, Key, Kind, Section, kind_of
 from .material_keys import named_material, presets, with_presets
-from .model import Model
+from .model import FILES, Model
 from .overrides import overridden
 from .section_table import GONE, HEAD, LISTS, OF_OUTLINES, SECTIONS, Kinds
 from .source import KeyPath, Source, parse, titled_path
 
 _log = logging.getLogger(__name__)
-
-FILES = "files"
-"""Section of a ``used.toml`` with the digests of the files that the model reads."""
 
 _LARGEST = 10_000_000  # bytes of a model file; the shipped ones have a few thousand
 
@@ -72,7 +69,7 @@ def read_model(
 
 
 def model_of_text(text: str, name: str) -> Model:
-    """Return the model of a text from :func:`.writer.model_text`, whose paths are absolute.
+    """Return the model of a text from :func:`.model.model_text`, whose paths are absolute.
 
     ``name`` is used for the file in a ModelFileError.
     """

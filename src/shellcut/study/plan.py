@@ -20,8 +20,7 @@ from shellcut.model_file.reader import ModelVariants
 from shellcut.model_file.section_table import along_path
 from shellcut.numerics.threads import available_cores
 
-from .design import Design
-from .factors import Factor, factors_of
+from .factors import Design, Factor, factors_of
 
 RUNS = "runs"
 """Folder of the runs in that of the study."""

@@ -20,8 +20,7 @@ from shellcut.model_file.reader import read_section, read_source
 from shellcut.model_file.schema import DRAFT, quantities, schema_of, settings
 from shellcut.model_file.section_table import ENTRY
 
-from .design import Design
-from .factors import Factor
+from .factors import Design, Factor
 from .plan import Definition, Plan
 
 STUDY = "study.toml"

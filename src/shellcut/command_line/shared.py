@@ -1,10 +1,11 @@
-"""Arguments that several commands have."""
+"""What several commands share: exit codes, refusals, arguments."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
@@ -14,11 +15,59 @@ from shellcut.files.distribution import optional
 from shellcut.model_file.errors import ModelFileError, Problem
 from shellcut.model_file.source import parse_value
 from shellcut.model_file.spelling import in_keys
+from shellcut.numerics.threads import available_cores
+from shellcut.signals import INTERRUPTED
 from shellcut.unit import showing
 
-from .exit_code import DONE, FAILED
-
 T = TypeVar("T")
+
+# --- exit codes -----------------------------------------------------------------------------------
+
+DONE, BUG, BAD_INPUT, STOPPED, FAILED = 0, 1, 2, 3, 4
+
+MEANINGS = {
+    DONE: "done",
+    BUG: "an error of shellcut itself, with a traceback; please report it",
+    BAD_INPUT: "nothing was run: an argument, model, file or folder is wrong, or another run uses "
+    "the folder. Standard error says `refused:` with the reason; for a model it lists everything "
+    "that is wrong",
+    STOPPED: "a guard stopped the run because its numbers were no longer right; the output so far "
+    "is saved",
+    FAILED: "the run failed: disk full, folder gone, an error in a hook. The output is "
+    "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`. Or "
+    "runs of a study failed, no run of a search keeps its limits, or `verify` found a difference",
+    INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
+    "happens, but a shell reports 143",
+}
+"""Meaning of each exit code."""
+
+
+def in_lines() -> str:
+    """Return all codes with their meanings, formatted for a terminal."""
+    lines = ["exit codes:"]
+    for code, meaning in MEANINGS.items():
+        lines += textwrap.wrap(
+            meaning, 79, initial_indent=f"  {code:>3}  ", subsequent_indent=" " * 7
+        )
+    return "\n".join(lines)
+
+
+def refused(problem: object) -> str:
+    """Return the message on wrong input: a line, or one for each of its problems."""
+    text = str(problem)
+    if isinstance(problem, OSError) and problem.filename and problem.strerror:
+        text = f"{problem.filename}: {problem.strerror}"
+    text = in_keys(text)
+    return f"refused:\n{text}" if "\n" in text else f"refused: {text}"
+
+
+def refuse(problem: object) -> int:
+    """Print the problem with the input on standard error; return its exit code."""
+    print(refused(problem), file=sys.stderr)
+    return BAD_INPUT
+
+
+# --- arguments ------------------------------------------------------------------------------------
 
 
 def named(text: str) -> Path:
@@ -151,8 +200,6 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
         yield arguments.jobs
         return
     dask = optional("distributed", "--dask needs Dask", "sweep")
-    from shellcut.numerics.threads import available_cores
-
     with contextlib.ExitStack() as close:
         where: Any = arguments.dask
         if where == "local":
