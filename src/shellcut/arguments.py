@@ -380,9 +380,8 @@ def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
     several = " or ".join(plural.get(word, re.sub("^array", "arrays", word)) for word in words)
 
     def fits(value: Any) -> bool:
-        if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-            return False
-        if np.ma.is_masked(value):
+        single = isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable)
+        if single or np.ma.is_masked(value):
             return False
         if not isinstance(value, list | tuple | np.ndarray):
             return True  # it may be used up by looking at it
@@ -441,16 +440,17 @@ def _alternatives(kind: Any) -> list[Any]:
 
 
 def _shown(value: Any) -> str:
-    if np.ma.isMaskedArray(value):
-        return "a masked array: take filled() or compressed()"
-    if isinstance(value, np.ndarray):
-        return f"an array of {value.dtype} of shape {value.shape}"
-    if isinstance(value, str):
-        try:
-            float(value)
-        except ValueError:
+    match value:
+        case np.ma.MaskedArray():
+            return "a masked array: take filled() or compressed()"
+        case np.ndarray():
+            return f"an array of {value.dtype} of shape {value.shape}"
+        case str():
+            try:
+                float(value)
+            except ValueError:
+                return f"{value!r:.{_SHOWN}}"
+            return f"{value!r:.{_SHOWN}}: leave out the quotes"
+        case None | int() | float() | complex() | tuple() | list() | dict():
             return f"{value!r:.{_SHOWN}}"
-        return f"{value!r:.{_SHOWN}}: leave out the quotes"
-    if value is None or isinstance(value, int | float | complex | tuple | list | dict):
-        return f"{value!r:.{_SHOWN}}"
     return f"a {type(value).__name__}"

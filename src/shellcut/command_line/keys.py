@@ -14,7 +14,7 @@ from collections.abc import Iterator
 
 from shellcut.model_file.key_index import Table, found, questions
 from shellcut.model_file.schema import schema
-from shellcut.study.study_file import study_schema
+from shellcut.study.plan import study_schema
 
 from .shared import DONE
 

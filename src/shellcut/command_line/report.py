@@ -13,9 +13,8 @@ from pathlib import Path
 from shellcut.report import report_run
 from shellcut.study.fit_result import FIT
 from shellcut.study.optimise import OPTIMUM
-from shellcut.study.plan import RUNS
+from shellcut.study.plan import RUNS, STUDY
 from shellcut.study.report import report_found, report_study
-from shellcut.study.study_file import STUDY
 
 from .compare import add_columns_to, compared
 from .shared import DONE, named

@@ -12,8 +12,7 @@ from typing import Any, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
 from shellcut.files.distribution import optional
-from shellcut.model_file.errors import ModelFileError, Problem
-from shellcut.model_file.source import parse_value
+from shellcut.model_file.source import ModelFileError, Problem, parse_value
 from shellcut.model_file.spelling import in_keys
 from shellcut.numerics.threads import available_cores
 from shellcut.signals import INTERRUPTED

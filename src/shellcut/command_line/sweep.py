@@ -15,9 +15,8 @@ from shellcut.formats.errors import counted
 from shellcut.model_file.key_index import with_values
 from shellcut.study.engines import engine_of
 from shellcut.study.factors import Design, factors_of
-from shellcut.study.plan import FEW_FILES, Definition, Plan
+from shellcut.study.plan import FEW_FILES, Definition, Plan, is_study, read_study
 from shellcut.study.study import done_before, run_study
-from shellcut.study.study_file import is_study, read_study
 
 from .shared import (
     DONE,

@@ -34,9 +34,8 @@ from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.numerics.connected_parts import close_parts
 from shellcut.unit import LENGTH
 
-from .loops import area_of, not_one_film, shapely_or_error
 from .mesh import Mesh
-from .outline import QuadSize, mesh_from_outline
+from .outline import QuadSize, area_of, mesh_from_outline, not_one_film, shapely_or_error
 
 _log = logging.getLogger("shellcut.drawing")
 

@@ -24,12 +24,11 @@ from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.lsdyna import read_lsdyna
 from shellcut.formats.vtk import read_vtk
-from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
 from .checks import check_film_size, check_quads
 from .mesh import Mesh, MeshError
-from .quad_geometry import coincident
+from .quad_geometry import first_at_place
 
 Triangles: TypeAlias = Literal["refuse", "split"]
 Quadratic: TypeAlias = Literal["refuse", "corners"]
@@ -273,20 +272,16 @@ class _Film:
     def join(self, merge: float | None) -> None:
         used = np.unique(self.quads)
         with naming(self.path):
-            pairs = coincident(self.nodes, used, merge)
-        if not len(pairs):
+            place = first_at_place(self.nodes, used, merge)
+        beside = place[place != np.arange(len(place))].tolist()
+        if not beside:
             return
         if merge is None:
             self.say(
-                f"{len(pairs)} pairs of nodes are at one place and stay apart, the sheet is open "
-                f"there (nodes {named(self.node_labels[n] for n in pairs[:, 0].tolist())}); "
-                "merge=1e-6 joins them"
+                f"{len(beside)} pairs of nodes are at one place and stay apart, the sheet is open "
+                f"there (nodes {named(self.node_labels[n] for n in beside)}); merge=1e-6 joins them"
             )
             return
-        n = len(self.nodes)
-        label = connected_parts(pairs[:, 0], pairs[:, 1], n)
-        _, first = np.unique(label, return_index=True)
-        place = first[label]
         self.quads = place[self.quads]
         self.node_sets = {name: np.unique(place[m]) for name, m in self.node_sets.items()}
         self.say(f"{len(used) - len(np.unique(self.quads))} nodes are merged with others")
@@ -491,8 +486,7 @@ def divided_in_four(mesh: Mesh, max_fold_deg: float = 60.0) -> Mesh:
 
 def _bow_of_sides(mesh: Mesh, ends: Ints) -> Floats:
     # how far the middles of sides lie off the chord, shape (n, 3)
-    pairs = coincident(mesh.nodes, np.unique(mesh.quads))
-    spot = connected_parts(pairs[:, 0], pairs[:, 1], mesh.n_node)
+    spot = first_at_place(mesh.nodes, np.unique(mesh.quads))
     normals = np.zeros_like(mesh.nodes)
     np.add.at(normals, spot, mesh.directors)
     first, last = (unit(normals[spot[ends[:, k]]]) for k in (0, 1))

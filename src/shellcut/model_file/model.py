@@ -12,8 +12,7 @@ from shellcut.files.distribution import VERSION
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
 
-from .forms import written
-from .key import Key, Section
+from .key import Key, Section, written
 from .source import Source
 from .spelling import in_keys
 

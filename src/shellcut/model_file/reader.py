@@ -16,13 +16,12 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.text_content import in_one_form
 from shellcut.material.shell_material import ShellMaterial
 
-from .errors import ModelFileError, Problem, is_refusal
 from .key import REQUIRED, Key, Kind, Section, kind_of
 from .material_keys import named_material, presets, with_presets
 from .model import FILES, Model
 from .overrides import overridden
 from .section_table import GONE, HEAD, LISTS, OF_OUTLINES, SECTIONS, Kinds
-from .source import KeyPath, Source, parse, titled_path
+from .source import KeyPath, ModelFileError, Problem, Source, is_refusal, parse, titled_path
 
 _log = logging.getLogger(__name__)
 
@@ -159,7 +158,8 @@ def read_source(path: str | os.PathLike[str]) -> Source:
 
 
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
-    if _is_there(Path(name_or_path)):
+    # not of a name that is too long for the system, or of a folder with a model's name
+    if os.path.exists(name_or_path) and not os.path.isdir(name_or_path):
         return read_source(name_or_path)
     shipped = shipped_models()
     if str(name_or_path) in shipped:
@@ -167,14 +167,6 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
         return replace(source, lines={})  # of no file that a user has
     text = f"no such file; the models by name are {', '.join(shipped)}"
     raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
-
-
-def _is_there(path: Path) -> bool:
-    """Whether a path may be meant as a file; a folder with a model's name is not."""
-    try:
-        return path.exists() and not path.is_dir()
-    except (OSError, ValueError):  # a name too long for the system, or with a zero byte
-        return False
 
 
 class _Reading:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .forms import NUMBER
-from .key import REQUIRED, Key, Kind
+from .key import NUMBER, REQUIRED, Key, Kind
 from .key_index import tables
 from .material_keys import preset_names
 from .quantity import pattern

@@ -16,9 +16,8 @@ from shellcut.checks.path import side_needed
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.puncture import bending_length
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.loops import shapely_or_error
 from shellcut.mesh.mesh import Mesh, MeshError
-from shellcut.mesh.outline import mesh_from_outline, polygon
+from shellcut.mesh.outline import mesh_from_outline, polygon, shapely_or_error
 from shellcut.mesh.structured import circle, rectangle
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool

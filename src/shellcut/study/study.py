@@ -25,9 +25,8 @@ from shellcut.view.progress import duration
 from .engines import AnyExecutor, Engine, Say, engine_of
 from .factors import Design
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import FEW_FILES, Definition, Plan, PlannedRun, planned_runs
+from .plan import FEW_FILES, STUDY, Definition, Plan, PlannedRun, planned_runs, write_study
 from .report.studied import of_interest
-from .study_file import STUDY, write_study
 from .table import TABLE, CommonWindow, columns_of, write_table
 
 _TABLE_EVERY = 10.0

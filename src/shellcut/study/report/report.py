@@ -19,8 +19,7 @@ from shellcut.report.markup import link_to, missing, sentences
 from shellcut.report.page import made, versions, write_page
 from shellcut.results.error_bars import ERROR_BARS, read_error_bars
 from shellcut.scene_page.page import part
-from shellcut.study.plan import RUNS
-from shellcut.study.study_file import STUDY
+from shellcut.study.plan import RUNS, STUDY
 from shellcut.study.table import TABLE
 from shellcut.unit import in_unit
 
