@@ -341,7 +341,8 @@ def _kind(annotation: Any) -> _Kind:
     origin, parts = get_origin(annotation), get_args(annotation)
     if annotation in _PLAIN:
         return _PLAIN[annotation]
-    if _is_array_kind(annotation):
+    # from NumPy 2.5 on, NDArray is an alias of its own
+    if origin in (np.ndarray, npt.NDArray) or annotation in (np.ndarray, npt.ArrayLike):
         return _Kind(("an array of real numbers",), _is_array)
     if origin in (Union, types.UnionType):
         some = [_kind(part) for part in _alternatives(annotation)]
@@ -424,11 +425,6 @@ def _is_array(value: Any) -> bool:
     except (ValueError, TypeError):  # rows of several lengths
         return False
     return array.dtype.kind in "biuf" or array.size == 0
-
-
-def _is_array_kind(kind: Any) -> bool:
-    arrays = (np.ndarray, npt.NDArray)  # from NumPy 2.5 on, NDArray is an alias of its own
-    return get_origin(kind) in arrays or kind is np.ndarray or kind == npt.ArrayLike
 
 
 def _alternatives(kind: Any) -> list[Any]:

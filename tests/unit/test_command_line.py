@@ -268,8 +268,8 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(tmp_path, capsys, monkeypatc
 @pytest.mark.parametrize(
     ("module", "command", "said"),
     [
-        ("models", ["run", "guillotine", "-o", "out", *SHORT], "interrupted; nothing was run"),
-        ("command_line", ["warmup"], "interrupted"),
+        ("run_model", ["run", "guillotine", "-o", "out", *SHORT], "interrupted; nothing was run"),
+        ("warmup", ["warmup"], "interrupted"),
     ],
 )
 def test_ctrl_c_before_a_run_ends_any_command_with_130_and_leaves_nothing(
@@ -279,7 +279,7 @@ def test_ctrl_c_before_a_run_ends_any_command_with_130_and_leaves_nothing(
         raise KeyboardInterrupt
 
     monkeypatch.chdir(tmp_path)
-    module = importlib.import_module(f"shellcut.{module}.warmup")
+    module = importlib.import_module(f"shellcut.command_line.{module}")
     monkeypatch.setattr(module, "warmup", interrupted)
     assert main(command) == 130
     assert said in capsys.readouterr().err

@@ -261,7 +261,7 @@ def asked(monkeypatch):
         seen["curves"] = curves
         raise ValueError("not run")
 
-    monkeypatch.setattr("shellcut.study.fit.fit", not_run)
+    monkeypatch.setattr("shellcut.command_line.fit.fit", not_run)
 
     def curves_of(*arguments):
         assert main(["fit", "guillotine", *arguments, "--set=plateau=6:24", "-o", "x"]) == 2

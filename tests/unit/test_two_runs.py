@@ -69,7 +69,7 @@ def test_the_command_refuses(going, capsys, monkeypatch, command, looked):
     out, process = going
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     if looked:  # before the first run began: the folder is taken when it comes to writing
-        monkeypatch.setattr("shellcut.files.folder_lock.refuse_if_in_use", lambda _: None)
+        monkeypatch.setattr("shellcut.command_line.run.refuse_if_in_use", lambda _: None)
     words = [str(out) if word == "OUT" else word for word in command.split()]
     assert main([*words, *(SHORT if words[0] == "run" else [])]) == 2
     said = capsys.readouterr().err

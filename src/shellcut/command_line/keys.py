@@ -16,8 +16,6 @@ from shellcut.model_file.key_index import Table, found, questions
 from shellcut.model_file.schema import schema
 from shellcut.study.plan import study_schema
 
-from .shared import DONE
-
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
@@ -31,12 +29,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Print the sections and keys found, or the schema."""
     if arguments.schema:
         whole = schema() if arguments.schema == "model" else study_schema()
         print(json.dumps(whole, indent=1, ensure_ascii=False))
-        return DONE
+        return
     pages = questions(arguments.words)
     for page, question in pages.items():
         print(f"{question}  {page}")
@@ -44,10 +42,9 @@ def run(arguments: argparse.Namespace) -> int:
         chosen = found(arguments.words)
     except ValueError:
         if pages:
-            return DONE
+            return
         raise
     print("\n\n".join("\n".join(_lines(table)) for table in chosen))
-    return DONE
 
 
 def _lines(table: Table) -> Iterator[str]:

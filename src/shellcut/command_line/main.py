@@ -39,7 +39,7 @@ from . import (
     view,
     warmup,
 )
-from .shared import add_shown_in_to, in_lines, refuse
+from .shared import DONE, add_shown_in_to, in_lines, refuse
 
 _COMMANDS = (
     *(run, resume, verify, sweep, converge, fit, optimise, preview),
@@ -108,13 +108,14 @@ def _done(arguments: argparse.Namespace) -> int:
     """Run the command; return its exit code, that for bad input where it is wrong."""
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
-            code: int = arguments.run(arguments)
+            return int(arguments.run(arguments) or DONE)
     except Exception as problem:
         if is_of_interrupt(problem):
             raise KeyboardInterrupt from problem
         if isinstance(problem, MemoryError):
-            of_memory = f"this machine does not have enough memory: {problem}; use a coarser mesh"
-            return refuse(of_memory)
+            return refuse(
+                f"this machine does not have enough memory: {problem}; use a coarser mesh"
+            )
         # What a run raises after its checks is no fault of what it was given.
         of_input: tuple[type[Exception], ...] = OSError, ModelFileError
         if arguments.command not in _RUNS:
@@ -122,7 +123,6 @@ def _done(arguments: argparse.Namespace) -> int:
         if not isinstance(problem, of_input):
             raise
         return refuse(problem)
-    return code
 
 
 def parser_of_all() -> _Parser:

@@ -17,7 +17,7 @@ from shellcut.study.plan import RUNS, STUDY
 from shellcut.study.report import report_found, report_study
 
 from .compare import add_columns_to, compared
-from .shared import DONE, named
+from .shared import named
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -37,11 +37,10 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_columns_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the report and print its path."""
     path = _written(arguments)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-    return DONE
 
 
 def _written(arguments: argparse.Namespace) -> Path:

@@ -19,7 +19,7 @@ from shellcut.formats.number_table import read_number_table
 from shellcut.tensile import evaluate_tensile
 from shellcut.unit import conversion
 
-from .shared import DONE, named
+from .shared import named
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +39,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Evaluate, print the values, write the files."""
     table = read_number_table(arguments.file)
     kinds = "mm" if arguments.gauge_length else "-", "N" if arguments.section else "MPa"
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     print(test)
     if arguments.out is None:
-        return DONE
+        return
     material, picture = (Path(arguments.out) / name for name in ("material.toml", "tensile.png"))
     claim(arguments.out, [material.name, picture.name], [arguments.file])
     write_text(material, test.section())
@@ -63,4 +63,3 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"written: {material}, {test.plot(picture)}")
     except ImportError as missing:
         print(f"written: {material}; no picture: {missing}", file=sys.stderr)
-    return DONE

@@ -22,7 +22,7 @@ from shellcut.results.run_results import Results, read
 from shellcut.scene_page import spread, view_html
 from shellcut.view import MOVIES, Look, draw_movie, draw_scene
 
-from .shared import DONE, add_options, made_of, named
+from .shared import add_options, made_of, named
 
 PICTURES = ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pdf"
 """Suffixes of pictures that Pillow writes."""
@@ -60,7 +60,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_options(parser, Look, **{name: f"--{name}" for name in names})
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Write the file, print its path and size, and open a page that has no given name."""
     output, number = arguments.output, arguments.frame
     suffix = "" if output is None else output.suffix.lower()
@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not page:
         path = _drawn(arguments, results, look, movie=movie)
         print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-        return DONE
+        return
     path = target(output, arguments.out / "view.html")
     page = view_html(results, path, frames=arguments.frames, look=look)
     print(page)
@@ -92,7 +92,6 @@ def run(arguments: argparse.Namespace) -> int:
     screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if output is None and (screen or not is_plain):
         webbrowser.open(page.path.resolve().as_uri())
-    return DONE
 
 
 def _drawn(arguments: argparse.Namespace, results: Results, look: Look, *, movie: bool) -> Path:

@@ -12,8 +12,6 @@ import time
 
 from shellcut.models.warmup import MODELS, warmup
 
-from .shared import DONE
-
 
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Add its arguments to the parser."""
@@ -22,11 +20,10 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> None:
     """Compile; print how long it took and where the cache is."""
     print("compiling the kernels (on the first run only) ...", flush=True)
     start = time.perf_counter()
     warmup(arguments.models or MODELS, told=lambda n, of: print(f"{n} of {of}", flush=True))
     cache = os.environ.get("NUMBA_CACHE_DIR", "__pycache__ of the package")
     print(f"done in {time.perf_counter() - start:.1f} s; the cache is in {cache}")
-    return DONE

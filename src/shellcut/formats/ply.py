@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import accumulate
 from pathlib import Path
 
 from .declared_content import Content
@@ -49,31 +48,17 @@ class _Reader(Content):
 
     def surface(self) -> SurfaceFile:
         self._header()
-        # of a text: the number of each line and of the values up to its end, if each has an element
-        ends: list[tuple[int, int]] = []
         if not self.order:
-            first = self.content[: self.at].count(b"\n") + 1
-            lines = [line.split() for line in self.content[self.at :].splitlines()]
-            self.tokens = [token for line in lines for token in line]
-            numbered = [(number, line) for number, line in enumerate(lines, first) if line]
-            if len(numbered) == sum(element.count for element in self.elements):
-                n_value = accumulate(len(line) for _, line in numbered)
-                ends = [(number, n) for (number, _), n in zip(numbered, n_value, strict=True)]
+            self.tokens = self.content[self.at :].split()
+            self.at = len(self.content)
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
-        n_row = row_size = 0
+        row_size = 0
         for element in self.elements:
             for _ in range(element.count):
                 start = self.at
                 row = self._row(element)
                 row_size = self.at - start
-                if ends and self.next_token != ends[n_row][1]:
-                    more = "more" if self.next_token < ends[n_row][1] else "fewer"
-                    raise self.error(
-                        f"each {element.name} must have its own line, but {element.name} in line "
-                        f"{ends[n_row][0]} of the file has {more} values than it should"
-                    )
-                n_row += 1
                 if element.name == "vertex":
                     vertices.append([row[axis][0] for axis in "xyz"])
                 elif element.name == "face":
@@ -81,9 +66,9 @@ class _Reader(Content):
                     if len(corners) < 3:
                         raise self.error(f"a face must have three vertices, got {corners}")
                     faces.append(corners)
-        if self.order and len(self.content) - self.at < row_size:
+        if len(self.content) - self.at < row_size:
             self.rest()  # less than the last row has, so no row is lost
-        if self.at < len(self.content) if self.order else self.next_token < len(self.tokens):
+        if self.at < len(self.content) or self.next_token < len(self.tokens):
             raise self.error("the file must end after the content declared in the header")
         surface = surface_of_polygons(self.path, vertices, faces)
         surface.notes += self.notes

@@ -325,8 +325,7 @@ def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bool
             f"{_quad_places(np.flatnonzero(bad), X, Q)} inverted or folded onto itself, scaled "
             f"Jacobian {named(least[bad], '{:.3g}'.format)}; reorder the corners or move the nodes"
         )
-    sound: Bools = ~(flat | bad)
-    return sound
+    return np.asarray(~(flat | bad))
 
 
 def _check_folds(

@@ -198,17 +198,13 @@ class _Film:
         self.triangles: Ints = cells[TRIANGLE]
         if not len(self.quads) and not len(self.triangles):
             raise FileError(self.path, "there must be quads or triangles, got none")
-        # of each cell of the file its row among those of the sheet, quads first, lines or points
-        row = {}
-        for what, kinds in (("sheet", (QUAD, TRIANGLE)), (LINE, (LINE,)), (POINT, (POINT,))):
-            place = np.concatenate([part for kind in kinds for part in numbers[kind]])
-            row[what] = np.full(file.n_cell, -1, dtype=np.int64)
-            row[what][place] = np.arange(len(place))
+        sheet = np.concatenate([*numbers[QUAD], *numbers[TRIANGLE]])
+        order = (sheet, np.concatenate(numbers[LINE]), np.concatenate(numbers[POINT]))
         named_lines = np.zeros(len(cells[LINE]), dtype=np.bool_)
         for name, members in file.cell_groups.items():
-            quads, lines, points = (of[members][of[members] >= 0] for of in row.values())
+            quads, lines, points = (np.flatnonzero(np.isin(of, members)) for of in order)
             if len(quads):
-                self.quad_sets[name] = np.sort(quads)
+                self.quad_sets[name] = quads
             if len(lines) or len(points):
                 named_lines[lines] = True
                 self.lines[name] = cells[LINE][lines]

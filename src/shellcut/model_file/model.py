@@ -6,20 +6,17 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from shellcut.files.distribution import VERSION
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
+from shellcut.models import Case
+from shellcut.models.preview import ModelParts
 
 from .key import Key, Section, written
 from .source import Source
 from .spelling import in_keys
-
-if TYPE_CHECKING:
-    from shellcut.models import Case
-    from shellcut.models.preview import ModelParts
-
 
 FILES = "files"
 """Section of a ``used.toml`` with the digests of the files that the model reads."""
@@ -84,8 +81,7 @@ class Model:
 
     def run_options(self) -> dict[str, Any]:
         """Return the arguments of :meth:`Case.run` given in ``[output]``."""
-        options: dict[str, Any] = self.sections["output"].arguments()
-        return options
+        return self.sections["output"].arguments()
 
     def write(self, path: str | Path) -> None:
         """Write the model with every default filled in; reading it back gives the same model."""

@@ -265,5 +265,4 @@ class Design:
             power = math.ceil(math.log2(self.n))
             sobol = scipy.stats.qmc.Sobol(n_factor, seed=self.seed)
             points = sobol.random_base2(power)[: self.n]
-        listed: list[list[float]] = points.tolist()
-        return listed
+        return list(points.tolist())

@@ -321,13 +321,11 @@ def normals_and_heights(vertices: Floats, triangles: Ints) -> tuple[Floats, Floa
 def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
     """Return six times the signed volume between each triangle and the mean vertex."""
     a, b, c = (vertices[triangles[:, k]] - vertices.mean(axis=0) for k in range(3))
-    volumes: Floats = np.einsum("ij,ij->i", a, np.cross(b, c))
-    return volumes
+    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)))
 
 
 def _next_corner(half_edges: Ints) -> Ints:
-    corners: Ints = half_edges + 1 - 3 * (half_edges % 3 == 2)
-    return corners
+    return np.asarray(half_edges + 1 - 3 * (half_edges % 3 == 2))
 
 
 def chains_of(segments: Ints) -> tuple[Ints, Ints]:
