@@ -10,7 +10,6 @@ plateau=6:24 --set opening_u=3.2:8 -o OUT
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 
 from shellcut.study.curve_misfit import FitCurve
@@ -19,6 +18,8 @@ from shellcut.view import can_draw
 
 from .compare import parted
 from .shared import (
+    Arguments,
+    Parser,
     add_engine_to,
     add_options,
     add_settings_to,
@@ -29,7 +30,7 @@ from .shared import (
 )
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
@@ -61,7 +62,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_engine_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Fit, print the result."""
     return print_found(
         arguments,
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
 
 
-def _curves(arguments: argparse.Namespace) -> list[FitCurve]:
+def _curves(arguments: Arguments) -> list[FitCurve]:
     """Return the curves: a file with several quantities, or files with one each."""
     files, names = arguments.measured, arguments.y or [""]
     if len(files) == 1:

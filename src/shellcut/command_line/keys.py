@@ -8,7 +8,6 @@ example: shellcut keys notch
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Iterator
 
@@ -16,8 +15,10 @@ from shellcut.model_file.key_index import Table, found, questions
 from shellcut.model_file.schema import schema
 from shellcut.study.plan import study_schema
 
+from .shared import Arguments, Parser
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("words", metavar="WORD", nargs="*", help="a word, or a part of it")
     parser.add_argument(
@@ -29,7 +30,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: Arguments) -> None:
     """Print the sections and keys found, or the schema."""
     if arguments.schema:
         whole = schema() if arguments.schema == "model" else study_schema()

@@ -7,7 +7,6 @@ table, curves, values over factors; that of shellcut fit and optimise has values
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from shellcut.report import report_run
@@ -17,10 +16,10 @@ from shellcut.study.plan import RUNS, STUDY
 from shellcut.study.report import report_found, report_study
 
 from .compare import add_columns_to, compared
-from .shared import named
+from .shared import Arguments, Parser, named
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument(
         "folder", metavar="OUT", type=named, help="result folder of the run, study, fit or search"
@@ -37,13 +36,13 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_columns_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: Arguments) -> None:
     """Write the report and print its path."""
     path = _written(arguments)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
 
 
-def _written(arguments: argparse.Namespace) -> Path:
+def _written(arguments: Arguments) -> Path:
     folder: Path = arguments.folder
     there = [name for name in (STUDY, FIT, OPTIMUM) if (folder / name).is_file()]
     if arguments.measured and there:

@@ -5,7 +5,6 @@ Run a model file, or a model of the package by its name.
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from shellcut.files.file_list import FileList, refuse_input
@@ -16,10 +15,19 @@ from shellcut.model_file.model import model_text
 from shellcut.recording.run_log import RunLog
 
 from .run_model import run_model
-from .shared import DONE, add_settings_to, add_verbose_to, keys_with_values, named, refuse
+from .shared import (
+    DONE,
+    Arguments,
+    Parser,
+    add_settings_to,
+    add_verbose_to,
+    keys_with_values,
+    named,
+    refuse,
+)
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", nargs="?", help="a TOML file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
@@ -48,7 +56,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Read, check, run."""
     if arguments.list:
         for name, text in shipped_models().items():
@@ -71,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     return run_model(model, arguments.out, log, **options)
 
 
-def _read(arguments: argparse.Namespace) -> Model:
+def _read(arguments: Arguments) -> Model:
     """Return the model with the keys that are set; a ModelFileError lists all problems."""
     settings = keys_with_values("--set", arguments.settings)
     if arguments.frames is not None:
@@ -81,7 +89,7 @@ def _read(arguments: argparse.Namespace) -> Model:
     return read_model(arguments.model, settings)
 
 
-def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> list[str]:
+def _wrong_with_folder(arguments: Arguments, model: Model | None) -> list[str]:
     """Return why the run cannot have its folder; none if it can."""
     folder: Path | None = arguments.out
     if folder is None:
@@ -104,7 +112,7 @@ def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> li
     ]
 
 
-def _write_model(arguments: argparse.Namespace, model: Model) -> int:
+def _write_model(arguments: Arguments, model: Model) -> int:
     """Write a model of the package as it is, or with every key where some are set."""
     path: Path = arguments.write_model
     is_set = arguments.settings or arguments.frames is not None or arguments.no_pictures

@@ -8,7 +8,7 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin
+from typing import Any, TypeAlias, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
 from shellcut.files.distribution import optional
@@ -19,6 +19,8 @@ from shellcut.signals import INTERRUPTED
 from shellcut.unit import showing
 
 T = TypeVar("T")
+Parser: TypeAlias = argparse.ArgumentParser
+Arguments: TypeAlias = argparse.Namespace
 
 # --- exit codes -----------------------------------------------------------------------------------
 
@@ -76,7 +78,7 @@ def named(text: str) -> Path:
     return Path(text)
 
 
-def add_settings_to(parser: argparse.ArgumentParser, more: str = "") -> None:
+def add_settings_to(parser: Parser, more: str = "") -> None:
     """Add ``--set``, and say what more it can do than set a key."""
     parser.add_argument(
         "--set",
@@ -106,14 +108,14 @@ def keys_with_values(
     return {key.strip(): read(value.strip()) for key, _, value in split}
 
 
-def add_verbose_to(parser: argparse.ArgumentParser) -> None:
+def add_verbose_to(parser: Parser) -> None:
     """Add ``--verbose``."""
     parser.add_argument(
         "--verbose", action="store_true", help="list the checks that passed, too, at the end"
     )
 
 
-def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **flags: str) -> None:
+def add_options(parser: Parser, owner: Callable[..., Any], **flags: str) -> None:
     """Add arguments of a class, by the names of its parameters: type, choices, default, help."""
     for name, flag in flags.items():
         kind, option, default = declared(owner)[name]
@@ -133,14 +135,14 @@ def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **fl
         parser.add_argument(flag, help=f"{option.text}{unless}", **given)
 
 
-def made_of(arguments: argparse.Namespace, owner: Callable[..., T]) -> T:
+def made_of(arguments: Arguments, owner: Callable[..., T]) -> T:
     """Return the class called with the arguments that are given."""
     own = f"{owner.__name__}."
     given = {n.removeprefix(own): v for n, v in vars(arguments).items() if n.startswith(own)}
     return owner(**{name: v for name, v in given.items() if v is not None})
 
 
-def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
+def add_shown_in_to(parser: Parser) -> None:
     """Add ``--shown-in``."""
     parser.add_argument(
         "--shown-in",
@@ -160,7 +162,7 @@ def _units(text: str) -> str:
         raise argparse.ArgumentTypeError(str(problem)) from None
 
 
-def add_engine_to(parser: argparse.ArgumentParser) -> None:
+def add_engine_to(parser: Parser) -> None:
     """Add ``--jobs`` and ``--dask``."""
     engine = parser.add_mutually_exclusive_group()
     engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one per core")
@@ -172,7 +174,7 @@ def add_engine_to(parser: argparse.ArgumentParser) -> None:
 
 
 def print_found(
-    arguments: argparse.Namespace,
+    arguments: Arguments,
     find: Callable[[Any], T],
     where: str,
     is_found: Callable[[T], bool] = lambda _: True,
@@ -190,7 +192,7 @@ def print_found(
 
 
 @contextlib.contextmanager
-def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
+def engine_given(arguments: Arguments) -> Iterator[Any]:
     """Give the number of processes, or a Dask client, with a cluster of its own if asked for.
 
     ImportError or ConnectionError if there is no Dask, or no scheduler.

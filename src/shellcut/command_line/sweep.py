@@ -9,8 +9,6 @@ for each run.
 
 from __future__ import annotations
 
-import argparse
-
 from shellcut.formats.errors import counted
 from shellcut.model_file.key_index import with_values
 from shellcut.study.engines import engine_of
@@ -21,6 +19,8 @@ from shellcut.study.study import done_before, run_study
 from .shared import (
     DONE,
     FAILED,
+    Arguments,
+    Parser,
     add_engine_to,
     add_options,
     add_settings_to,
@@ -34,7 +34,7 @@ from .shared import (
 _DRY_SHOWN = 20  # runs of a plan that are printed
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
@@ -44,7 +44,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Plan, run, and say where the table is."""
     if arguments.out is None and not arguments.dry_run:
         return refuse("give a folder for the study: -o OUT")
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     return DONE if found.count("done") == len(planned.runs) else FAILED
 
 
-def _planned(arguments: argparse.Namespace) -> Plan:
+def _planned(arguments: Arguments) -> Plan:
     """Return the plan of a model with its factors, or of a study file."""
     given = keys_with_values(
         "--set", arguments.settings, str

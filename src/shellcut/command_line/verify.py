@@ -9,7 +9,6 @@ example: shellcut verify out
 
 from __future__ import annotations
 
-import argparse
 import re
 import tempfile
 from contextlib import closing
@@ -26,18 +25,18 @@ from shellcut.simulation.instability import UnstableStep
 from shellcut.study.one_run import outcome_in
 
 from .run_model import built, stored_model
-from .shared import DONE, FAILED, named
+from .shared import DONE, FAILED, Arguments, Parser, named
 
 _SHOWN = 60  # characters of a cell that are quoted
 _WRITTEN_BY = re.compile(r"^# shellcut (\S+), model ", re.M)
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Run the stored model again, compare, and say the first difference."""
     folder: Path = arguments.out
     model = stored_model(folder)

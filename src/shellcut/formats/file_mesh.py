@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import ArrayLike, Floats, Ints
 
 from .errors import FileError, named
 
@@ -62,7 +61,7 @@ class FileMesh:
 class Numbering:
     """Map labels (ids in a file) to rows of an array."""
 
-    def __init__(self, path: Path, what: str, labels: npt.ArrayLike, places: Floats | None = None):
+    def __init__(self, path: Path, what: str, labels: ArrayLike, places: Floats | None = None):
         self.path, self.what = path, what
         self.labels = np.asarray(labels, dtype=np.int64)
         order = np.argsort(self.labels, kind="stable")
@@ -79,7 +78,7 @@ class Numbering:
         self._order = np.delete(order, again + 1)
         self._sorted = self.labels[self._order]
 
-    def rows(self, labels: npt.ArrayLike, wanted_by: str) -> Ints:
+    def rows(self, labels: ArrayLike, wanted_by: str) -> Ints:
         """Return the rows of some labels, of any shape.
 
         The part of the file that uses them is named as ``wanted_by``.

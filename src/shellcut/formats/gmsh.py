@@ -135,16 +135,17 @@ class _Reader(Content):
     def _format(self) -> str:
         if self._section() != "MeshFormat":
             raise self.error("a .msh file must begin with $MeshFormat")
-        fields = self.line().split()
-        if len(fields) != 3 or fields[1] not in (b"0", b"1") or fields[2] != b"8":
-            raise self.error(f"$MeshFormat must read 'version 0|1 8', got {b' '.join(fields)!r}")
-        version = fields[0].decode("latin-1")
-        if version not in ("2.2", "4.1"):
-            raise self.error(
-                f"the version must be 2.2 or 4.1, got {version}; save it again with "
-                "Mesh.MshFileVersion = 4.1"
-            )
-        self.order = "<" * int(fields[1])
+        line = self.line().decode("latin-1")
+        match line.split():
+            case ["2.2" | "4.1" as version, "0" | "1" as is_binary, "8"]:
+                self.order = "<" * int(is_binary)
+            case [version, "0" | "1", "8"]:
+                raise self.error(
+                    f"the version must be 2.2 or 4.1, got {version}; save it again with "
+                    "Mesh.MshFileVersion = 4.1"
+                )
+            case _:
+                raise self.error(f"$MeshFormat must read 'version 0|1 8', got {line!r}")
         if self.order and self.numbers("i4")[0] != 1:
             raise self.error("a binary .msh must be little-endian")
         self._end("MeshFormat")

@@ -19,10 +19,9 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints, norm
+from shellcut.arrays import ArrayLike, Floats, Ints, norm
 from shellcut.card import FILM, Figures, card, drawing, extent
 from shellcut.formats.errors import named
 
@@ -121,13 +120,13 @@ class Mesh:
     @checked
     def from_arrays(
         cls,
-        nodes: npt.ArrayLike,
-        quads: npt.ArrayLike,
+        nodes: ArrayLike,
+        quads: ArrayLike,
         *,
-        node_sets: Mapping[str, npt.ArrayLike] | None = None,
-        quad_sets: Mapping[str, npt.ArrayLike] | None = None,
-        directors: npt.ArrayLike | None = None,
-        origin: npt.ArrayLike | None = None,
+        node_sets: Mapping[str, ArrayLike] | None = None,
+        quad_sets: Mapping[str, ArrayLike] | None = None,
+        directors: ArrayLike | None = None,
+        origin: ArrayLike | None = None,
         max_fold_deg: float = 60.0,
     ) -> Mesh:
         """Cast, check and freeze a mesh.
@@ -240,7 +239,7 @@ class Mesh:
         """Return the quad ids of a named set, as :meth:`node_set`."""
         return look_up("quad", self.quad_sets, name)
 
-    def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:
+    def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], ArrayLike]) -> Ints:
         """Return the ids of the nodes whose position meets a condition, ascending.
 
         Parameters
@@ -267,8 +266,8 @@ class Mesh:
     def with_sets(
         self,
         *,
-        node_sets: Mapping[str, npt.ArrayLike] | None = None,
-        quad_sets: Mapping[str, npt.ArrayLike] | None = None,
+        node_sets: Mapping[str, ArrayLike] | None = None,
+        quad_sets: Mapping[str, ArrayLike] | None = None,
     ) -> Mesh:
         """Return the mesh with further named sets; existing names are refused."""
         problems: list[str] = []
@@ -311,7 +310,7 @@ class Mesh:
         )
 
     @checked
-    def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
+    def cut(self, line_of_nodes: Sequence[int] | Ints) -> Mesh:
         """Return the mesh with a pre-cut (notch) along a line of quad sides.
 
         The nodes of the line are duplicated wherever its sides separate their quads: nodes within
@@ -374,7 +373,7 @@ class Mesh:
             np.concatenate([self.origin, self.origin[copies]]),
         )
 
-    def _check_line(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> list[int]:
+    def _check_line(self, line_of_nodes: Sequence[int] | Ints) -> list[int]:
         ids = np.asarray(line_of_nodes)
         if ids.ndim != 1 or len(ids) < 2 or ids.dtype.kind not in "iu":
             raise MeshError(

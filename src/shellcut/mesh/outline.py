@@ -18,16 +18,16 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import atan2
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Bools, Floats, each, product
+from shellcut.arrays import ArrayLike, Bools, Floats, each, product
 from shellcut.files.distribution import optional
 from shellcut.formats.errors import FileError, point_text
 from shellcut.formats.own_process import GmshProcess
@@ -61,15 +61,15 @@ QuadSize: TypeAlias = Annotated[float, Option("mm", "side length of the quads, a
 @checked
 def mesh_from_outline(
     outline: Annotated[
-        npt.ArrayLike, Option("mm", "vertices in order; the first is not repeated", form="polygon")
+        ArrayLike, Option("mm", "vertices in order; the first is not repeated", form="polygon")
     ],
     *,
     size: QuadSize,
     holes: Annotated[
-        Sequence[npt.ArrayLike], Option("mm", "polygons that are cut out", form="polygons")
+        Sequence[ArrayLike], Option("mm", "polygons that are cut out", form="polygons")
     ] = (),
     near: Annotated[
-        npt.ArrayLike | None,
+        ArrayLike | None,
         Option("mm", "points about which quads are small", unset="none", form="polygon"),
     ] = None,
     size_near: Annotated[
@@ -129,21 +129,19 @@ def mesh_from_outline(
     return Mesh.from_arrays(found["nodes"], found["quads"], node_sets=sets)
 
 
+@dataclass(frozen=True)
 class _Field:
     # sizes of quads that rise with the distance from points
-
-    def __init__(self, size: float, near: list[tuple[Floats, float, float]]) -> None:
-        self._size = size
-        self.near = near
-        """Points, the size there, and how far it holds; none if it is the same everywhere."""
-        self._trees = [scipy.spatial.cKDTree(points) for points, _, _ in near]
+    size: float
+    near: list[tuple[Floats, float, float]]
+    """Points, the size there, and how far it holds; none if it is the same everywhere."""
 
     @classmethod
     def of(
         cls,
         polygons: list[Floats],
         size: float,
-        near: npt.ArrayLike | None,
+        near: ArrayLike | None,
         least: float | None,
         band: float | None,
     ) -> _Field:
@@ -171,10 +169,10 @@ class _Field:
 
     def at(self, points: Floats) -> Floats:
         """Return the size of the quads at points, shape (n,) [mm]."""
-        found = np.full(len(points), self._size)
-        for tree, (_, least, band) in zip(self._trees, self.near, strict=True):
-            rise = _GROWTH * np.maximum(tree.query(points)[0] - band, 0.0)
-            found = np.minimum(found, least + rise)
+        found = np.full(len(points), self.size)
+        for near, least, band in self.near:
+            distance, _ = scipy.spatial.cKDTree(near).query(points)
+            found = np.minimum(found, least + _GROWTH * np.maximum(distance - band, 0.0))
         return found
 
 
@@ -206,7 +204,7 @@ def _check_count(polygons: list[Floats], size: float, field: _Field) -> None:
         )
 
 
-def polygon(vertices: npt.ArrayLike, name: str) -> Floats:
+def polygon(vertices: ArrayLike, name: str) -> Floats:
     """Return the vertices of a loop as an array, shape (n, 2); MeshError by its name."""
     try:
         points = np.array(vertices, dtype=np.float64)

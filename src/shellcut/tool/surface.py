@@ -10,7 +10,6 @@ import itertools
 from math import degrees, radians
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, product, unit
@@ -186,7 +185,7 @@ class Surface:
             problems.append(f"{key.size - np.unique(key).size} of the given cutting edges repeat")
         return problems
 
-    def _rows(self, segments: Ints) -> tuple[Ints, npt.NDArray[np.bool_]]:
+    def _rows(self, segments: Ints) -> tuple[Ints, Bools]:
         ordered = np.sort(segments, axis=1)
         key = ordered[:, 0] * self.vertices.shape[0] + ordered[:, 1]
         row = np.minimum(np.searchsorted(self.keys, key), self.keys.size - 1)
