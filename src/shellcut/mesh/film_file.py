@@ -289,13 +289,13 @@ class _Film:
             return
         lost = np.flatnonzero(~used)
         number = np.cumsum(used) - 1
-        off_film = []
-        for name, members in list(self.node_sets.items()):
-            if gone := int((~used[members]).sum()):
-                off_film.append(f"{gone} of {len(members)} of node set {name!r}")
-            self.node_sets[name] = number[members[used[members]]]
-            if not len(self.node_sets[name]):
-                del self.node_sets[name]
+        off_film = [
+            f"{gone} of {len(members)} of node set {name!r}"
+            for name, members in self.node_sets.items()
+            if (gone := int((~used[members]).sum()))
+        ]
+        kept = {name: number[members[used[members]]] for name, members in self.node_sets.items()}
+        self.node_sets = {name: members for name, members in kept.items() if len(members)}
         self.nodes, self.quads = self.nodes[used], number[self.quads]
         among = f", among them {'; '.join(off_film)}" if off_film else ""
         self.say(

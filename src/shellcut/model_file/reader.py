@@ -255,7 +255,8 @@ class _Reading:
                 continue
             name = aliases.get(given, given)
             if name not in keys:
-                self.unknown_key(given, cls, kinds, table, path, model)
+                why = _why_unknown(given, cls, kinds, table, path, model)
+                self.say((*path, given), why)
             elif name in values:
                 self.say((*path, given), f"{title}{given} repeats {name}: leave one out")
             else:
@@ -288,40 +289,6 @@ class _Reading:
             return None
         return kinds[0]
 
-    def unknown_key(
-        self, name: str, cls: Kind, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
-    ) -> None:
-        place, shown = (*path, name), f"{_shown(path)}{name}"
-        owner = ".".join(part for part in path if isinstance(part, str))
-        if gone := GONE.get((owner, name)):
-            self.say(place, f"unknown key {shown}; {gone}")
-            return
-        for kind in kinds:
-            if kind is not cls and name in kind.names():
-                chosen = f'kind = "{cls.name}"' if cls.name else "this one"
-                theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
-                text = OF_OUTLINES.get((cls.name, name), "")
-                if not text:
-                    text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
-                if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
-                    other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
-                    fits = set(kind.names()) - {"kind"}
-                    rest = ", ".join(other_key for other_key in table if other_key not in fits)
-                    text = f"{shown} and {other} exclude each other: leave out {name}, or {rest}"
-                self.say(place, text)
-                return
-        owners = [
-            title
-            for title, others in SECTIONS.get(model, {}).items()
-            if title != (path[0] if path else "") and any(name in k.names() for k in others)
-        ]
-        hint = guess(name, cls.names())
-        if name in _ENDINGS and any("file" in kind.keys for kind in kinds):
-            hint = "; did you mean file?"
-        if not hint and owners:
-            hint = f"; there is [{owners[0]}].{name}"
-        self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")
-
     def value(self, key: Key, value: Any, path: KeyPath, shown: str) -> Any:
         try:
             read = key.read(value)
@@ -330,8 +297,9 @@ class _Reading:
             self.say(path, f"{shown} {problem}{instead and f'; {instead}'}")
             return None
         if key.is_several:
-            each = enumerate(read)
-            return tuple(self.section(key.kinds, entry, (*path, n), "") for n, entry in each)
+            return tuple(
+                self.section(key.kinds, entry, (*path, n), "") for n, entry in enumerate(read)
+            )
         if key.kinds:
             return self.section(key.kinds, read, path, "")
         if not key.is_file:
@@ -368,6 +336,35 @@ class _Reading:
                 keys = made.of.keys.items()
                 named = [n for word in words for n, key in keys if word in (n, key.parameter)]
                 self.say((*path, *named[:1]), f"{_shown(path)[:-1]}: {reason}")
+
+
+def _why_unknown(
+    name: str, cls: Kind, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
+) -> str:
+    """Return what is wrong with a key that a kind of section does not have."""
+    shown = f"{_shown(path)}{name}"
+    section = ".".join(part for part in path if isinstance(part, str))
+    if gone := GONE.get((section, name)):
+        return f"unknown key {shown}; {gone}"
+    for kind in kinds:
+        if kind is cls or name not in kind.names():
+            continue
+        chosen = f'kind = "{cls.name}"' if cls.name else "this one"
+        if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
+            other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
+            fits = set(kind.names()) - {"kind"}
+            rest = ", ".join(other_key for other_key in table if other_key not in fits)
+            return f"{shown} and {other} exclude each other: leave out {name}, or {rest}"
+        theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
+        belongs = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
+        return OF_OUTLINES.get((cls.name, name), belongs)
+    hint = guess(name, cls.names())
+    if name in _ENDINGS and any("file" in kind.keys for kind in kinds):
+        hint = "; did you mean file?"
+    for title, others in SECTIONS.get(model, {}).items():
+        if (title,) != path[:1] and any(name in kind.names() for kind in others):
+            hint = hint or f"; there is [{title}].{name}"
+    return f"unknown key {shown}{hint or listed(cls.names())}"
 
 
 def _line(problem: Problem) -> int:
