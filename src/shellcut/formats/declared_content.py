@@ -71,14 +71,14 @@ class Content:
 
     def read(self, kind: str, texts: list[bytes]) -> Any:
         """Return texts as numbers of a kind."""
+        as_float = kind[0] == "f"
+        read = numerals.number if as_float else numerals.whole
         values = list[float]()
-        what, read = "whole numbers", numerals.whole
-        if kind[0] == "f":
-            what, read = "numbers", numerals.number
         for text in texts:
             try:
                 values.append(read(text))
             except ValueError:
+                what = "numbers" if as_float else "whole numbers"
                 shown = text[:20].decode("latin-1")
                 raise self.error(f"there must be {what}, got {shown!r}") from None
-        return np.array(values, np.float64 if kind[0] == "f" else np.int64)
+        return np.array(values, np.float64 if as_float else np.int64)

@@ -105,7 +105,7 @@ class _Reader(Content):
         while (name := self._section()) is not None:
             if name in _PASSED_OVER:
                 self.unused[f"${name}"] += name != "Comments"
-                self._skip_to_end(name)
+                self._until_end(name)
                 continue
             if name not in readers:
                 raise self.error(
@@ -116,10 +116,7 @@ class _Reader(Content):
                 raise self.error(f"each section must occur once, got ${name} again")
             seen.add(name)
             if in_text := not self.order or name == "PhysicalNames":
-                start = self.at
-                self._skip_to_end(name)
-                end = self.content.rfind(b"$End", start, self.at)
-                self.tokens, self.next_token = self.content[start:end].split(), 0
+                self.tokens, self.next_token = self._until_end(name).split(), 0
             readers[name]()
             if not in_text:
                 self._end(name)
@@ -311,12 +308,13 @@ class _Reader(Content):
         if line != b"$End" + name.encode("latin-1"):
             raise self.error(f"${name} must end with $End{name} after its declared content")
 
-    def _skip_to_end(self, name: str) -> None:
+    def _until_end(self, name: str) -> bytes:
         end = self.content.find(b"$End" + name.encode("latin-1"), self.at)
         if end < 0:
             raise self.error(f"${name} must end with $End{name}: the file is cut short")
-        self.at = end
+        within = self.raw(end - self.at)
         self.line()
+        return within
 
     def _sizes(self, n: int) -> list[int]:
         sizes: list[int] = self.numbers("i8", n).tolist()

@@ -433,7 +433,8 @@ def _fans(
             if frozenset((node, other)) not in cut_edges:
                 spokes.setdefault(other, []).append(k)
     links = [sharing for sharing in spokes.values() if len(sharing) == 2]
-    part = connected_parts(*np.array(links, np.int64).reshape(-1, 2).T, len(around)).tolist()
+    one, two = np.array(links, np.int64).reshape(-1, 2).T
+    part = connected_parts(one, two, len(around)).tolist()
     for group in dict.fromkeys(part):
         if group != part[around.index(first)]:
             yield [e for e, its in zip(around, part, strict=True) if its == group]
