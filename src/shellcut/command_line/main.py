@@ -76,7 +76,7 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with the given arguments, or with those of the process.
 
-    Returns its exit code, one of :data:`.exit_code.MEANINGS`; argparse exits by itself, with the
+    Returns its exit code, one of :data:`.shared.MEANINGS`; argparse exits by itself, with the
     code for bad input.
     """
     arguments = argparse.Namespace()

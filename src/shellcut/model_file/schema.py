@@ -29,7 +29,7 @@ def schema() -> dict[str, Any]:
     --------
     >>> opening = schema()["allOf"][0]["then"]["properties"]
     >>> opening["tool"]["then"]["properties"]["radius"]["description"]
-    '[mm] of the cutting circle'
+    '[mm] radius of the cutting circle'
     """
     return {
         "$schema": DRAFT,
