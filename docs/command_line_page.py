@@ -6,8 +6,8 @@
 import argparse
 from pathlib import Path
 
-from shellcut.command_line.exit_code import MEANINGS
 from shellcut.command_line.main import parser_of_all
+from shellcut.command_line.shared import MEANINGS
 
 PAGE = Path(__file__).parent / "command-line.md"
 BEGIN = "## All commands\n\n"

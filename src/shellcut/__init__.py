@@ -62,7 +62,7 @@ with Importing():
     from .statics.statics import Statics
     from .study.converge import converge
     from .study.curve_misfit import FitCurve
-    from .study.design import Design
+    from .study.factors import Design
     from .study.fit import Search, fit
     from .study.optimise import Optimum, optimise
     from .study.report import report_study

@@ -341,7 +341,8 @@ def _kind(annotation: Any) -> _Kind:
     origin, parts = get_origin(annotation), get_args(annotation)
     if annotation in _PLAIN:
         return _PLAIN[annotation]
-    if _is_array_kind(annotation):
+    # from NumPy 2.5 on, NDArray is an alias of its own
+    if origin in (np.ndarray, npt.NDArray) or annotation in (np.ndarray, npt.ArrayLike):
         return _Kind(("an array of real numbers",), _is_array)
     if origin in (Union, types.UnionType):
         some = [_kind(part) for part in _alternatives(annotation)]
@@ -380,9 +381,8 @@ def _kind_of_several(parts: tuple[Any, ...], *, is_counted: bool) -> _Kind:
     several = " or ".join(plural.get(word, re.sub("^array", "arrays", word)) for word in words)
 
     def fits(value: Any) -> bool:
-        if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
-            return False
-        if np.ma.is_masked(value):
+        single = isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable)
+        if single or np.ma.is_masked(value):
             return False
         if not isinstance(value, list | tuple | np.ndarray):
             return True  # it may be used up by looking at it
@@ -427,11 +427,6 @@ def _is_array(value: Any) -> bool:
     return array.dtype.kind in "biuf" or array.size == 0
 
 
-def _is_array_kind(kind: Any) -> bool:
-    arrays = (np.ndarray, npt.NDArray)  # from NumPy 2.5 on, NDArray is an alias of its own
-    return get_origin(kind) in arrays or kind is np.ndarray or kind == npt.ArrayLike
-
-
 def _alternatives(kind: Any) -> list[Any]:
     """Return the parts of a union; before NumPy 2.5, Python merges those of ArrayLike with them."""
     parts, of_array = get_args(kind), get_args(npt.ArrayLike)
@@ -441,16 +436,17 @@ def _alternatives(kind: Any) -> list[Any]:
 
 
 def _shown(value: Any) -> str:
-    if np.ma.isMaskedArray(value):
-        return "a masked array: take filled() or compressed()"
-    if isinstance(value, np.ndarray):
-        return f"an array of {value.dtype} of shape {value.shape}"
-    if isinstance(value, str):
-        try:
-            float(value)
-        except ValueError:
+    match value:
+        case np.ma.MaskedArray():
+            return "a masked array: take filled() or compressed()"
+        case np.ndarray():
+            return f"an array of {value.dtype} of shape {value.shape}"
+        case str():
+            try:
+                float(value)
+            except ValueError:
+                return f"{value!r:.{_SHOWN}}"
+            return f"{value!r:.{_SHOWN}}: leave out the quotes"
+        case None | int() | float() | complex() | tuple() | list() | dict():
             return f"{value!r:.{_SHOWN}}"
-        return f"{value!r:.{_SHOWN}}: leave out the quotes"
-    if value is None or isinstance(value, int | float | complex | tuple | list | dict):
-        return f"{value!r:.{_SHOWN}}"
     return f"a {type(value).__name__}"

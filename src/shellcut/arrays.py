@@ -26,6 +26,7 @@ Ints: TypeAlias = npt.NDArray[np.integer[Any]]
 SmallInts: TypeAlias = npt.NDArray[np.int8]
 Bools: TypeAlias = npt.NDArray[np.bool_]
 SmallIds: TypeAlias = npt.NDArray[np.int32]
+ArrayLike: TypeAlias = npt.ArrayLike
 Number: TypeAlias = Any
 """Number type of the mechanics: a float, or several at once (:mod:`shellcut.numerics.lanes`)."""
 Vec3: TypeAlias = tuple[float, float, float]

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from .arrays import Floats
+from .arrays import ArrayLike, Floats
 from .material.hardening import fewer_points
 from .view.curves import Curve, Diagram, draw_curves
 
@@ -117,8 +116,8 @@ class TensileTest:
 
 
 def evaluate_tensile(
-    strain: npt.ArrayLike,
-    stress: npt.ArrayLike,
+    strain: ArrayLike,
+    stress: ArrayLike,
     *,
     gauge_length: float | None = None,
     section: float | None = None,
@@ -186,8 +185,8 @@ def evaluate_tensile(
 
 
 def _curve(
-    strain: npt.ArrayLike,
-    stress: npt.ArrayLike,
+    strain: ArrayLike,
+    stress: ArrayLike,
     gauge_length: float | None,
     section: float | None,
     offset: float,

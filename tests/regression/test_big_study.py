@@ -12,7 +12,7 @@ from pathlib import Path
 
 import shellcut
 from shellcut.study import study
-from shellcut.study.design import Design
+from shellcut.study.factors import Design
 from shellcut.study.one_run import Outcome
 
 FIGURES = {f"figure_{k}": 0.1 * k for k in range(40)} | {"share_done": 1.0}  # as many as a run has

@@ -25,7 +25,7 @@ from damaged.samples import FILMS, TOOLS
 from shellcut import meshing, tool_shapes
 from shellcut.command_line import main
 from shellcut.recording.checkpoint import CheckpointError
-from shellcut.study.study_file import read_study
+from shellcut.study.plan import read_study
 
 from . import tiny
 from .trial import Child, Trial

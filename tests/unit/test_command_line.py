@@ -20,7 +20,7 @@ import pytest
 import shellcut
 from shellcut import read_model, report_run
 from shellcut.command_line import main
-from shellcut.command_line.exit_code import MEANINGS
+from shellcut.command_line.shared import MEANINGS
 from shellcut.models import Case
 from shellcut.numerics.jit import on_compilation
 from shellcut.recording.run_log import RunLog
@@ -264,8 +264,8 @@ def test_ctrl_c_ends_with_130_and_says_how_to_go_on(tmp_path, capsys, monkeypatc
 @pytest.mark.parametrize(
     ("module", "command", "said"),
     [
-        ("models", ["run", "guillotine", "-o", "out", *SHORT], "interrupted; nothing was run"),
-        ("command_line", ["warmup"], "interrupted"),
+        ("run_model", ["run", "guillotine", "-o", "out", *SHORT], "interrupted; nothing was run"),
+        ("warmup", ["warmup"], "interrupted"),
     ],
 )
 def test_ctrl_c_before_a_run_ends_any_command_with_130_and_leaves_nothing(
@@ -275,7 +275,7 @@ def test_ctrl_c_before_a_run_ends_any_command_with_130_and_leaves_nothing(
         raise KeyboardInterrupt
 
     monkeypatch.chdir(tmp_path)
-    module = importlib.import_module(f"shellcut.{module}.warmup")
+    module = importlib.import_module(f"shellcut.command_line.{module}")
     monkeypatch.setattr(module, "warmup", interrupted)
     assert main(command) == 130
     assert said in capsys.readouterr().err

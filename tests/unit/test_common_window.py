@@ -8,9 +8,9 @@ import pytest
 from run_folder import write_run
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import steady_figures
-from shellcut.study.common_window import NOT_COMMON, CommonWindow
 from shellcut.study.one_run import Outcome
 from shellcut.study.optimise import Optimum, Trial
+from shellcut.study.table import NOT_COMMON, CommonWindow
 from steady_cut import edge, edge_columns
 
 X = np.linspace(0.0, 150.0, 3001)

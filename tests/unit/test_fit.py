@@ -13,7 +13,7 @@ from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
 from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
-from shellcut.study.free_parameters import FreeParameters
+from shellcut.study.fit_runs import FreeParameters
 from shellcut.study.plan import sought
 from shellcut.study.report import report_found
 from tiny_study import SETTINGS
@@ -261,7 +261,7 @@ def asked(monkeypatch):
         seen["curves"] = curves
         raise ValueError("not run")
 
-    monkeypatch.setattr("shellcut.study.fit.fit", not_run)
+    monkeypatch.setattr("shellcut.command_line.fit.fit", not_run)
 
     def curves_of(*arguments):
         assert main(["fit", "guillotine", *arguments, "--set=plateau=6:24", "-o", "x"]) == 2

@@ -26,9 +26,9 @@ from shellcut.material.orthotropic import turned_moduli
 from shellcut.mesh.structured import rectangle
 from shellcut.model_file import shipped_models
 from shellcut.model_file.material_keys import HARDENINGS, RATES
+from shellcut.model_file.model import is_as_written, model_text
 from shellcut.model_file.section_table import HEAD, LISTS, SECTIONS
 from shellcut.model_file.source import parse
-from shellcut.model_file.writer import is_as_written, model_text
 from shellcut.tool.shapes import tooth_ring
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -16,7 +16,7 @@ from known_film import write_deck
 from shellcut import FilmOutline, Simulation, oscillating, read_drawing, read_model
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.model_file import build, shipped_models
-from shellcut.model_file.forms import written
+from shellcut.model_file.key import written
 from shellcut.model_file.material_keys import (
     HARDENINGS,
     HOMOGENEOUS,
@@ -28,7 +28,7 @@ from shellcut.model_file.material_keys import (
 from shellcut.model_file.schema import schema
 from shellcut.model_file.section_table import HEAD, LISTS, OUTPUT, SECTIONS, SUPPORT
 from shellcut.recording.run_options import RunOptions
-from shellcut.study.study_file import study_schema
+from shellcut.study.plan import study_schema
 from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool_shapes import round_bar
 

@@ -24,7 +24,7 @@ from films import unstructured_disc, write_gmsh
 from shellcut import read_model
 from shellcut.command_line import main
 from shellcut.command_line.main import parser_of_all
-from shellcut.command_line.shared_arguments import keys_with_values
+from shellcut.command_line.shared import keys_with_values
 from shellcut.model_file import shipped_models
 from shellcut.study.plan import sought
 from shellcut.tool.shapes import tooth_ring

@@ -5,7 +5,7 @@ import pytest
 
 from shellcut import ModelFileError, mesh_from_outline, opening_test, read_model
 from shellcut.mesh.checks import MeshError
-from shellcut.model_file.writer import model_text
+from shellcut.model_file.model import model_text
 from shellcut.models.path_film import film_along_path
 from shellcut.study.plan import Definition
 from shellcut.tool.motion import ScrewMotion, StraightMotion

@@ -11,7 +11,7 @@ from shellcut.model_file.key_index import unit_of_key
 from shellcut.model_file.overrides import spelled
 from shellcut.model_file.reader import ModelVariants
 from shellcut.study.factors import factors_of
-from shellcut.study.free_parameters import FreeParameters
+from shellcut.study.fit_runs import FreeParameters
 from shellcut.study.plan import Definition
 from test_slips import LAMINATE, disc_in, written
 

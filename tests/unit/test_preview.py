@@ -8,9 +8,8 @@ import pytest
 
 import shellcut as sc
 from naive import cases
-from shellcut.models import model_picture
-from shellcut.models.model_picture import edge_groups
-from shellcut.models.preview import ModelParts, preview_parts
+from shellcut.models import preview
+from shellcut.models.preview import ModelParts, edge_groups, preview_parts
 from shellcut.tool.shapes import tooth_ring
 
 
@@ -46,7 +45,7 @@ def test_sets_are_counted_with_their_pieces(tmp_path):
 def figures(monkeypatch):
     """The figures that are saved."""
     kept = []
-    monkeypatch.setattr(model_picture, "save", lambda figure, _: kept.append(figure))
+    monkeypatch.setattr(preview, "save", lambda figure, _: kept.append(figure))
     return kept
 
 

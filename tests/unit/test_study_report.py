@@ -14,9 +14,8 @@ from shellcut import Design, ModelFileError, report_study
 from shellcut.command_line import main
 from shellcut.study.factors import factor, factors_of
 from shellcut.study.one_run import Outcome
-from shellcut.study.plan import Definition
+from shellcut.study.plan import Definition, read_study, write_study
 from shellcut.study.report.studied import read_folder
-from shellcut.study.study_file import read_study, write_study
 from shellcut.study.table import write_table
 from test_report import LISTEN, Outline, drawn, sentences, without_scripts
 from tiny_study import SETTINGS

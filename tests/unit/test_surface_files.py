@@ -154,7 +154,6 @@ def changed(old, new):
         ("ply", changed("face 12", "face 11"), "must end after the content"),
         ("ply", changed("vertex 8", "vertex 7"), "there must be .*numbers|faces must name"),
         ("ply", changed("4.0 2.0 1.0", "4.0 2.0 one"), "there must be .*numbers"),
-        ("ply", changed(" 0.0\n4.0", "\n0.0 4.0"), "vertex in line .* of the file has fewer value"),
         ("ply", BIG_ENDIAN[:-1], "cut short"),
         ("ply", BIG_ENDIAN + bytes(21), "must end after the content"),
     ],

@@ -19,7 +19,7 @@ from shellcut import (
 )
 from shellcut.formats.errors import FileError
 from shellcut.results.history import read_history
-from shellcut.study.study_file import read_study
+from shellcut.study.plan import read_study
 
 
 def _film(path):

@@ -10,7 +10,7 @@ from typing import get_type_hints
 import pytest
 
 import shellcut
-from shellcut.models.options import CutOptions, ModelOptions
+from shellcut.models.case import CutOptions, ModelOptions
 from shellcut.recording.run_options import RunArguments, RunOptions
 
 ROOT = Path(__file__).resolve().parents[2]

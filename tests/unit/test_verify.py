@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from shellcut.command_line import main
-from shellcut.model_file.writer import _signed
+from shellcut.model_file.model import _signed
 from shellcut.models import Case
 from shellcut.simulation.instability import UnstableStep
 from tiny_study import SETTINGS, in_words

@@ -15,8 +15,7 @@ import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints, norm, off_segments, product, unit
 from shellcut.mesh.mesh import Mesh
-from shellcut.mesh.quad_geometry import coincident, corner_normals
-from shellcut.numerics.connected_parts import connected_parts
+from shellcut.mesh.quad_geometry import corner_normals, first_at_place
 
 from .sweep import Sweep
 
@@ -54,8 +53,7 @@ class Rows:
         """Where the place is along the side, from 0 to 1, shape (n_place,)."""
         edges = mesh.edges()  # flanks: two sides of the rim at one place, as a cut leaves them
         single = edges.nodes[edges.n_quad == 1]
-        twins = coincident(mesh.nodes, np.unique(single))
-        spot = connected_parts(twins[:, 0], twins[:, 1], mesh.n_node)
+        spot = first_at_place(mesh.nodes, np.unique(single))
         keys, count = np.unique(_keys(mesh, spot[single]), return_counts=True)
         of_cut = np.isin(_keys(mesh, spot[self.ends]), keys[count > 1])
         self.open: Bools = of_cut & (self.off <= AT_ROW)

@@ -8,18 +8,16 @@ example: shellcut compare out cap.csv --x angle=Winkel --y torque=Drehmoment --u
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
 from shellcut.files.file_list import target
 from shellcut.results.comparison import Comparison, compare
 
-from .exit_code import BAD_INPUT, DONE
-from .shared_arguments import named
+from .shared import BAD_INPUT, DONE, Arguments, Parser, named
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", help="folder of the run")
     parser.add_argument("measured", metavar="FILE", help="text table with the measured curve")
@@ -32,7 +30,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_columns_to(parser: argparse.ArgumentParser) -> None:
+def add_columns_to(parser: Parser) -> None:
     """Add the options that select columns and set the comparison."""
     for option, what in (("--x", "coordinate"), ("--y", "quantity")):
         parser.add_argument(
@@ -48,7 +46,7 @@ def add_columns_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
+def compared(arguments: Arguments, out: str | Path) -> Comparison:
     """Compare a run with the measured curve that the arguments give, as ``compare`` does."""
     (x, x_column), (y, y_column) = parted(arguments.x), parted(arguments.y)
     return compare(
@@ -62,7 +60,7 @@ def compared(arguments: argparse.Namespace, out: str | Path) -> Comparison:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Compare, print a table, write the values and the picture."""
     comparison = compared(arguments, arguments.out)
     print(comparison)

@@ -9,14 +9,24 @@ example: shellcut converge opening --set mesh=quick -o bars
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from .exit_code import refuse
-from .shared_arguments import add_engine_to, add_settings_to, keys_with_values, named, print_found
+from shellcut.results.error_bars import CONVERGED, ERROR_BARS
+from shellcut.study.converge import converge
+
+from .shared import (
+    Arguments,
+    Parser,
+    add_engine_to,
+    add_settings_to,
+    keys_with_values,
+    named,
+    print_found,
+    refuse,
+)
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a run's folder")
     parser.add_argument(
@@ -29,11 +39,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_engine_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Run what is not done yet, print the table."""
-    from shellcut.results.error_bars import CONVERGED, ERROR_BARS
-    from shellcut.study.converge import converge
-
     model, out = Path(arguments.model), arguments.out
     if model.is_dir():
         model, out = model / "used.toml", out or model / CONVERGED

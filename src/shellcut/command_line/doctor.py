@@ -6,7 +6,6 @@ be run.
 
 from __future__ import annotations
 
-import argparse
 import os
 import platform
 import sys
@@ -23,7 +22,7 @@ from shellcut.files.distribution import DISTRIBUTION, pip_install
 from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.threads import available_cores
 
-from .exit_code import BAD_INPUT, DONE
+from .shared import BAD_INPUT, DONE, Arguments, Parser
 
 _REQUIRED = (DISTRIBUTION, "numpy", "scipy", "numba", "h5py", "meshio")
 # What an optional package is for, and the extra that installs it.
@@ -38,11 +37,11 @@ _EXTRAS = {
 }
 
 
-def add_to(_: argparse.ArgumentParser) -> None:
+def add_to(_: Parser) -> None:
     """Add nothing: the command has no arguments."""
 
 
-def run(_: argparse.Namespace) -> int:
+def run(_: Arguments) -> int:
     """Print what there is, and what works."""
     print(f"python          {platform.python_version()}, {platform.platform(terse=True)}")
     print(f"cores           {available_cores()}")

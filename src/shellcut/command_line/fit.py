@@ -10,14 +10,16 @@ plateau=6:24 --set opening_u=3.2:8 -o OUT
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from shellcut.study.fit import Search
+from shellcut.study.curve_misfit import FitCurve
+from shellcut.study.fit import Search, fit
+from shellcut.view import can_draw
 
 from .compare import parted
-from .shared_arguments import (
+from .shared import (
+    Arguments,
+    Parser,
     add_engine_to,
     add_options,
     add_settings_to,
@@ -27,11 +29,8 @@ from .shared_arguments import (
     print_found,
 )
 
-if TYPE_CHECKING:
-    from shellcut.study.curve_misfit import FitCurve
 
-
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("measured", metavar="FILE", nargs="+", help="tables with measured curves")
@@ -63,11 +62,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_engine_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Fit, print the result."""
-    from shellcut.study.fit import fit
-    from shellcut.view import can_draw
-
     return print_found(
         arguments,
         lambda executor: fit(
@@ -84,10 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
     )
 
 
-def _curves(arguments: argparse.Namespace) -> list[FitCurve]:
+def _curves(arguments: Arguments) -> list[FitCurve]:
     """Return the curves: a file with several quantities, or files with one each."""
-    from shellcut.study.curve_misfit import FitCurve
-
     files, names = arguments.measured, arguments.y or [""]
     if len(files) == 1:
         files = files * len(names)

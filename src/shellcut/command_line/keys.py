@@ -8,18 +8,17 @@ example: shellcut keys notch
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Iterator
 
 from shellcut.model_file.key_index import Table, found, questions
 from shellcut.model_file.schema import schema
-from shellcut.study.study_file import study_schema
+from shellcut.study.plan import study_schema
 
-from .exit_code import DONE
+from .shared import Arguments, Parser
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("words", metavar="WORD", nargs="*", help="a word, or a part of it")
     parser.add_argument(
@@ -31,12 +30,12 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> None:
     """Print the sections and keys found, or the schema."""
     if arguments.schema:
         whole = schema() if arguments.schema == "model" else study_schema()
         print(json.dumps(whole, indent=1, ensure_ascii=False))
-        return DONE
+        return
     pages = questions(arguments.words)
     for page, question in pages.items():
         print(f"{question}  {page}")
@@ -44,10 +43,9 @@ def run(arguments: argparse.Namespace) -> int:
         chosen = found(arguments.words)
     except ValueError:
         if pages:
-            return DONE
+            return
         raise
     print("\n\n".join("\n".join(_lines(table)) for table in chosen))
-    return DONE
 
 
 def _lines(table: Table) -> Iterator[str]:

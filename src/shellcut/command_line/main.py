@@ -6,9 +6,10 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
 from io import TextIOWrapper
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO, cast
 
 from shellcut.files.distribution import VERSION, another_project
 from shellcut.model_file import ModelFileError
@@ -38,9 +39,7 @@ from . import (
     view,
     warmup,
 )
-from .exit_code import in_lines, refuse
-from .listener import ignore_closed_pipe
-from .shared_arguments import add_shown_in_to
+from .shared import DONE, add_shown_in_to, in_lines, refuse
 
 _COMMANDS = (
     *(run, resume, verify, sweep, converge, fit, optimise, preview),
@@ -77,7 +76,7 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with the given arguments, or with those of the process.
 
-    Returns its exit code, one of :data:`.exit_code.MEANINGS`; argparse exits by itself, with the
+    Returns its exit code, one of :data:`.shared.MEANINGS`; argparse exits by itself, with the
     code for bad input.
     """
     arguments = argparse.Namespace()
@@ -109,13 +108,14 @@ def _done(arguments: argparse.Namespace) -> int:
     """Run the command; return its exit code, that for bad input where it is wrong."""
     try:
         with ignore_closed_pipe(), showing(getattr(arguments, "shown_in", "")):
-            code: int = arguments.run(arguments)
+            return int(arguments.run(arguments) or DONE)
     except Exception as problem:
         if is_of_interrupt(problem):
             raise KeyboardInterrupt from problem
         if isinstance(problem, MemoryError):
-            of_memory = f"this machine does not have enough memory: {problem}; use a coarser mesh"
-            return refuse(of_memory)
+            return refuse(
+                f"this machine does not have enough memory: {problem}; use a coarser mesh"
+            )
         # What a run raises after its checks is no fault of what it was given.
         of_input: tuple[type[Exception], ...] = OSError, ModelFileError
         if arguments.command not in _RUNS:
@@ -123,7 +123,6 @@ def _done(arguments: argparse.Namespace) -> int:
         if not isinstance(problem, of_input):
             raise
         return refuse(problem)
-    return code
 
 
 def parser_of_all() -> _Parser:
@@ -146,3 +145,44 @@ def parser_of_all() -> _Parser:
         if name in _SHOWING:
             add_shown_in_to(of)
     return parser
+
+
+@contextmanager
+def ignore_closed_pipe() -> Iterator[None]:
+    """Drop printed text once the pipe behind standard output is closed.
+
+    ``shellcut compare ... | head -1`` closes it after the first line; the files are still written.
+    """
+    output = _Output(sys.stdout)
+    with redirect_stdout(cast("TextIO", output)):
+        try:
+            yield
+        finally:
+            output.flush()
+
+
+class _Output:
+    """A stream that drops its text once its pipe is closed."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        self._tried(self._stream.write, text)
+        return len(text)
+
+    def flush(self) -> None:
+        self._tried(self._stream.flush)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    def _tried(self, do: Callable[..., object], *what: str) -> None:
+        try:
+            do(*what)
+        except BrokenPipeError:
+            # Redirect the file descriptor: the stream still flushes its own lines at exit.
+            with suppress(OSError):
+                nothing = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(nothing, self._stream.fileno())
+                os.close(nothing)

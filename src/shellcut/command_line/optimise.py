@@ -12,9 +12,11 @@ torque_peak --subject-to 'n_loose == 1' -o OUT
 
 from __future__ import annotations
 
-import argparse
+from shellcut.study.optimise import OPTIMUM, optimise
 
-from .shared_arguments import (
+from .shared import (
+    Arguments,
+    Parser,
     add_engine_to,
     add_settings_to,
     keys_with_values,
@@ -23,7 +25,7 @@ from .shared_arguments import (
 )
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, required=True, help="folder")
@@ -56,10 +58,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_engine_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Search, print the best values."""
-    from shellcut.study.optimise import OPTIMUM, optimise
-
     confirm, given = None, arguments.confirm  # by a finer film
     if given is not None:
         confirm = {} if given == ["none"] else keys_with_values("--confirm", given)

@@ -6,23 +6,28 @@ the model is refused, its valid parts are drawn.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from shellcut.files.file_list import target
+from shellcut.model_file import Model, ModelFileError, read_model
 from shellcut.model_file.spelling import in_keys
+from shellcut.models.preview import preview, preview_parts
 from shellcut.recording.run_log import RunLog
 
-from .exit_code import BAD_INPUT, DONE, refuse
-from .shared_arguments import add_settings_to, keys_with_values, named
+from .shared import (
+    BAD_INPUT,
+    DONE,
+    Arguments,
+    Parser,
+    add_settings_to,
+    keys_with_values,
+    named,
+    refuse,
+)
 
-if TYPE_CHECKING:
-    from shellcut.model_file import Model
 
-
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a TOML file, or a name")
     parser.add_argument(
@@ -31,11 +36,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_settings_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Build the model, draw it, print its contents."""
-    from shellcut.model_file import ModelFileError, read_model
-    from shellcut.models.preview import preview
-
     model = None
     with RunLog(words=in_keys).library_said():
         try:
@@ -49,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
         return BAD_INPUT if case.check.of("refuse") else DONE
 
 
-def _picture(arguments: argparse.Namespace, model: Model) -> Path:
+def _picture(arguments: Arguments, model: Model) -> Path:
     """Return the file of the picture; a name without a suffix becomes a PNG."""
     named = arguments.out
     if named is not None and not named.suffix:
@@ -57,10 +59,8 @@ def _picture(arguments: argparse.Namespace, model: Model) -> Path:
     return target(named, Path("model.png"), [arguments.model, *model.files()])
 
 
-def _draw_refused(model: Model | None, arguments: argparse.Namespace, problem: ValueError) -> int:
+def _draw_refused(model: Model | None, arguments: Arguments, problem: ValueError) -> int:
     """Draw the valid parts of a model, print its errors; return the code for bad input."""
-    from shellcut.models.preview import preview_parts
-
     parts = None if model is None else model.parts()
     if model and parts is not None and not (parts.mesh is None and parts.tool is None):
         try:

@@ -7,17 +7,19 @@ table, curves, values over factors; that of shellcut fit and optimise has values
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from shellcut.report import report_run
+from shellcut.study.fit_result import FIT
+from shellcut.study.optimise import OPTIMUM
+from shellcut.study.plan import RUNS, STUDY
+from shellcut.study.report import report_found, report_study
 
 from .compare import add_columns_to, compared
-from .exit_code import DONE
-from .shared_arguments import named
+from .shared import Arguments, Parser, named
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument(
         "folder", metavar="OUT", type=named, help="result folder of the run, study, fit or search"
@@ -34,20 +36,13 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_columns_to(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> None:
     """Write the report and print its path."""
     path = _written(arguments)
     print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-    return DONE
 
 
-def _written(arguments: argparse.Namespace) -> Path:
-    from shellcut.study.fit_result import FIT
-    from shellcut.study.optimise import OPTIMUM
-    from shellcut.study.plan import RUNS
-    from shellcut.study.report import report_found, report_study
-    from shellcut.study.study_file import STUDY
-
+def _written(arguments: Arguments) -> Path:
     folder: Path = arguments.folder
     there = [name for name in (STUDY, FIT, OPTIMUM) if (folder / name).is_file()]
     if arguments.measured and there:

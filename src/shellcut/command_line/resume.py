@@ -11,20 +11,18 @@ from pathlib import Path
 from shellcut.files.run_folder import USED
 from shellcut.recording.run_log import RunLog
 
-from .exit_code import refuse
-from .run_model import run_model
-from .shared_arguments import add_verbose_to, named
-from .stored_model import stored_model
+from .run_model import run_model, stored_model
+from .shared import Arguments, Parser, add_verbose_to, named, refuse
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
     add_verbose_to(parser)
     parser.add_argument("--set", action="append", dest="settings", help=argparse.SUPPRESS)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Build the model stored in the folder and continue from its checkpoint."""
     folder: Path = arguments.out
     if arguments.settings:

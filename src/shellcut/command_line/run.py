@@ -5,21 +5,29 @@ Run a model file, or a model of the package by its name.
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from shellcut.files.file_list import FileList, refuse_input
+from shellcut.files.folder_lock import refuse_if_in_use
+from shellcut.files.whole_file import exclusive
+from shellcut.model_file import Model, read_model, shipped_models
+from shellcut.model_file.model import model_text
 from shellcut.recording.run_log import RunLog
 
-from .exit_code import DONE, refuse
 from .run_model import run_model
-from .shared_arguments import add_settings_to, add_verbose_to, keys_with_values, named
+from .shared import (
+    DONE,
+    Arguments,
+    Parser,
+    add_settings_to,
+    add_verbose_to,
+    keys_with_values,
+    named,
+    refuse,
+)
 
-if TYPE_CHECKING:
-    from shellcut.model_file import Model
 
-
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", nargs="?", help="a TOML file, or a name")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
@@ -48,10 +56,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Read, check, run."""
-    from shellcut.model_file import shipped_models
-
     if arguments.list:
         for name, text in shipped_models().items():
             print(f"{name:<12} {text.splitlines()[1].lstrip('# ')}")
@@ -73,10 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
     return run_model(model, arguments.out, log, **options)
 
 
-def _read(arguments: argparse.Namespace) -> Model:
+def _read(arguments: Arguments) -> Model:
     """Return the model with the keys that are set; a ModelFileError lists all problems."""
-    from shellcut.model_file import read_model
-
     settings = keys_with_values("--set", arguments.settings)
     if arguments.frames is not None:
         settings["output.frames"] = arguments.frames
@@ -85,11 +89,8 @@ def _read(arguments: argparse.Namespace) -> Model:
     return read_model(arguments.model, settings)
 
 
-def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> list[str]:
+def _wrong_with_folder(arguments: Arguments, model: Model | None) -> list[str]:
     """Return why the run cannot have its folder; none if it can."""
-    from shellcut.files.file_list import FileList, refuse_input
-    from shellcut.files.folder_lock import refuse_if_in_use
-
     folder: Path | None = arguments.out
     if folder is None:
         return ["give a folder for the results: -o OUT"]
@@ -111,12 +112,8 @@ def _wrong_with_folder(arguments: argparse.Namespace, model: Model | None) -> li
     ]
 
 
-def _write_model(arguments: argparse.Namespace, model: Model) -> int:
+def _write_model(arguments: Arguments, model: Model) -> int:
     """Write a model of the package as it is, or with every key where some are set."""
-    from shellcut.files.whole_file import exclusive
-    from shellcut.model_file import shipped_models
-    from shellcut.model_file.writer import model_text
-
     path: Path = arguments.write_model
     is_set = arguments.settings or arguments.frames is not None or arguments.no_pictures
     shipped = {} if is_set else shipped_models()

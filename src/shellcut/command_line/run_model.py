@@ -7,19 +7,25 @@ import time
 import traceback
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from shellcut.checks import RefusedModel
 from shellcut.files.distribution import VERSION
+from shellcut.files.folder_lock import refuse_if_in_use
 from shellcut.files.run_folder import CHECKPOINT, LOG, USED
+from shellcut.model_file import Model, ModelFileError, read_model
+from shellcut.model_file.model import digest_of, is_as_written
+from shellcut.models import Case
+from shellcut.models.warmup import warmup
+from shellcut.numerics.jit import on_compilation
+from shellcut.recording.recorder import Recorder, RunEnded
+from shellcut.recording.resistance import resistance_of
 from shellcut.recording.run_log import RunLog
+from shellcut.recording.status_line import start_lines
 from shellcut.signals import INTERRUPTED
+from shellcut.simulation.instability import UnstableStep
 
-from .exit_code import BAD_INPUT, DONE, FAILED, STOPPED, refused
-
-if TYPE_CHECKING:
-    from shellcut.model_file import Model
-    from shellcut.models import Case
-    from shellcut.recording.recorder import Recorder
+from .shared import BAD_INPUT, DONE, FAILED, STOPPED, refused
 
 _NO_SPACE = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 
@@ -61,11 +67,6 @@ def _ready(
 
     Or the exit code if it cannot run.
     """
-    from shellcut.checks import RefusedModel
-    from shellcut.model_file import ModelFileError
-    from shellcut.model_file.model import digest_of
-    from shellcut.recording.recorder import RunEnded
-
     try:
         case, lines = built(model, log, options)
     except (ModelFileError, RefusedModel, OSError) as problem:  # other errors are bugs
@@ -97,11 +98,6 @@ def _ready(
 
 def built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, list[str]]:
     """Build, check and compile the model; return it with lines on its contents."""
-    from shellcut.models.warmup import warmup
-    from shellcut.numerics.jit import on_compilation
-    from shellcut.recording.resistance import resistance_of
-    from shellcut.recording.status_line import start_lines
-
     began: list[float] = []
     said = time.perf_counter()
 
@@ -130,8 +126,6 @@ def built(model: Model, log: RunLog, options: dict[str, Any]) -> tuple[Case, lis
 
 def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
     """Run to the end; print the outcome, or why the run stopped and what to do."""
-    from shellcut.simulation.instability import UnstableStep
-
     folder = recorder.folder
     try:
         case.go(recorder)
@@ -154,3 +148,31 @@ def _run(case: Case, recorder: Recorder, log: RunLog) -> int:
         log.warn(f"{'free space' if full else 'remove the cause'}, then{then}")
         return FAILED
     return DONE
+
+
+def stored_model(folder: Path) -> Model:
+    """Return the model in the folder of a run.
+
+    Raises
+    ------
+    OSError
+        If there is no folder or no model in it, if the model or a file that it reads has been
+        changed since the run began, or if the run is still active.
+    """
+    used = folder / USED
+    if not folder.is_dir():
+        raise FileNotFoundError(f"{folder}: there is no such folder")
+    if not used.is_file():
+        raise FileNotFoundError(f"{folder} holds no {USED}: it is not a folder of shellcut run")
+    refuse_if_in_use(folder)
+    model = read_model(used)
+    wrong = []
+    if not is_as_written(used.read_text(encoding="utf-8")):
+        wrong.append(f"{used} has been changed")
+    wrong += [f"{path} is gone or has been changed" for path in model.changed_files()]
+    if wrong:
+        raise OSError(
+            "\n".join(f"{text} since the run began" for text in wrong)
+            + "\nput it back, or run the model again into another folder"
+        )
+    return model

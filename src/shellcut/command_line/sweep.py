@@ -9,15 +9,18 @@ for each run.
 
 from __future__ import annotations
 
-import argparse
-from typing import TYPE_CHECKING
-
 from shellcut.formats.errors import counted
 from shellcut.model_file.key_index import with_values
-from shellcut.study.design import Design
+from shellcut.study.engines import engine_of
+from shellcut.study.factors import Design, factors_of
+from shellcut.study.plan import FEW_FILES, Definition, Plan, is_study, read_study
+from shellcut.study.study import done_before, run_study
 
-from .exit_code import DONE, FAILED, refuse
-from .shared_arguments import (
+from .shared import (
+    DONE,
+    FAILED,
+    Arguments,
+    Parser,
     add_engine_to,
     add_options,
     add_settings_to,
@@ -25,15 +28,13 @@ from .shared_arguments import (
     keys_with_values,
     made_of,
     named,
+    refuse,
 )
-
-if TYPE_CHECKING:
-    from shellcut.study.plan import Plan
 
 _DRY_SHOWN = 20  # runs of a plan that are printed
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a study file")
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder of the study")
@@ -43,11 +44,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--dry-run", action="store_true", help="list the runs; run nothing")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Plan, run, and say where the table is."""
-    from shellcut.study.engines import engine_of
-    from shellcut.study.study import done_before, run_study
-
     if arguments.out is None and not arguments.dry_run:
         return refuse("give a folder for the study: -o OUT")
     planned = _planned(arguments)
@@ -65,12 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
     return DONE if found.count("done") == len(planned.runs) else FAILED
 
 
-def _planned(arguments: argparse.Namespace) -> Plan:
+def _planned(arguments: Arguments) -> Plan:
     """Return the plan of a model with its factors, or of a study file."""
-    from shellcut.study.factors import factors_of
-    from shellcut.study.plan import FEW_FILES, Definition
-    from shellcut.study.study_file import is_study, read_study
-
     given = keys_with_values(
         "--set", arguments.settings, str
     )  # texts: a study also reads several values, and ranges

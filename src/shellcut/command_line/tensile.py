@@ -8,7 +8,6 @@ example: shellcut tensile md.csv --columns 2 3 --units % MPa -o film
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -19,11 +18,10 @@ from shellcut.formats.number_table import read_number_table
 from shellcut.tensile import evaluate_tensile
 from shellcut.unit import conversion
 
-from .exit_code import DONE
-from .shared_arguments import named
+from .shared import Arguments, Parser, named
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("file", metavar="FILE", help="text table of one specimen")
     for name, what in (("--columns", "heading, or number from 1,"), ("--units", "unit")):
@@ -40,7 +38,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--out", metavar="OUT", type=named, help="folder for the results")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> None:
     """Evaluate, print the values, write the files."""
     table = read_number_table(arguments.file)
     kinds = "mm" if arguments.gauge_length else "-", "N" if arguments.section else "MPa"
@@ -56,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     print(test)
     if arguments.out is None:
-        return DONE
+        return
     material, picture = (Path(arguments.out) / name for name in ("material.toml", "tensile.png"))
     claim(arguments.out, [material.name, picture.name], [arguments.file])
     write_text(material, test.section())
@@ -64,4 +62,3 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"written: {material}, {test.plot(picture)}")
     except ImportError as missing:
         print(f"written: {material}; no picture: {missing}", file=sys.stderr)
-    return DONE

@@ -9,41 +9,35 @@ example: shellcut verify out
 
 from __future__ import annotations
 
-import argparse
 import re
 import tempfile
 from contextlib import closing
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from shellcut.files.distribution import VERSION
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import HISTORY, SPLITS, USED
+from shellcut.model_file import Model
 from shellcut.recording.run_log import RunLog
 from shellcut.results.run_results import summary_in
+from shellcut.simulation.instability import UnstableStep
+from shellcut.study.one_run import outcome_in
 
-from .exit_code import DONE, FAILED
-from .run_model import built
-from .shared_arguments import named
-from .stored_model import stored_model
-
-if TYPE_CHECKING:
-    from shellcut.model_file import Model
+from .run_model import built, stored_model
+from .shared import DONE, FAILED, Arguments, Parser, named
 
 _SHOWN = 60  # characters of a cell that are quoted
 _WRITTEN_BY = re.compile(r"^# shellcut (\S+), model ", re.M)
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="the folder of the run")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> int:
     """Run the stored model again, compare, and say the first difference."""
-    from shellcut.simulation.instability import UnstableStep
-
     folder: Path = arguments.out
     model = stored_model(folder)
     digest = _digest_of(folder)
@@ -71,8 +65,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _digest_of(folder: Path) -> str:
     """Return the digest of a run; ValueError if another version wrote it, or it has not ended."""
-    from shellcut.study.one_run import outcome_in
-
     written_by = _WRITTEN_BY.search(read_regular(folder / USED).decode())
     version = written_by[1] if written_by else "unknown"
     if version != VERSION:

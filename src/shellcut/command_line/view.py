@@ -10,7 +10,6 @@ example: shellcut view out -o cut.mp4 --field thickness --elevation 25 --hide me
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 import webbrowser
@@ -22,14 +21,13 @@ from shellcut.results.run_results import Results, read
 from shellcut.scene_page import spread, view_html
 from shellcut.view import MOVIES, Look, draw_movie, draw_scene
 
-from .exit_code import DONE
-from .shared_arguments import add_options, made_of, named
+from .shared import Arguments, Parser, add_options, made_of, named
 
 PICTURES = ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pdf"
 """Suffixes of pictures that Pillow writes."""
 
 
-def add_to(parser: argparse.ArgumentParser) -> None:
+def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("out", metavar="OUT", type=named, help="folder of the run")
     parser.add_argument(
@@ -61,7 +59,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     add_options(parser, Look, **{name: f"--{name}" for name in names})
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Arguments) -> None:
     """Write the file, print its path and size, and open a page that has no given name."""
     output, number = arguments.output, arguments.frame
     suffix = "" if output is None else output.suffix.lower()
@@ -84,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not page:
         path = _drawn(arguments, results, look, movie=movie)
         print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-        return DONE
+        return
     path = target(output, arguments.out / "view.html")
     page = view_html(results, path, frames=arguments.frames, look=look)
     print(page)
@@ -93,10 +91,9 @@ def run(arguments: argparse.Namespace) -> int:
     screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     if output is None and (screen or not is_plain):
         webbrowser.open(page.path.resolve().as_uri())
-    return DONE
 
 
-def _drawn(arguments: argparse.Namespace, results: Results, look: Look, *, movie: bool) -> Path:
+def _drawn(arguments: Arguments, results: Results, look: Look, *, movie: bool) -> Path:
     """Draw a frame or the movie; return the file."""
     size: dict[str, Any] = {"size": tuple(arguments.size)} if arguments.size else {}
     frames = list(results.frames())

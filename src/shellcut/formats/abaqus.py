@@ -57,10 +57,9 @@ class _Reader(Deck):
     def __init__(self, path: Path):
         super().__init__(path)
         self.top = Scope("")  # the assembly, or a whole file without parts
+        self.scope = self.top  # what the nodes, elements and sets belong to that are read now
         self.parts: dict[str, Scope] = {}
         self.instances: dict[str, Instance] = {}
-        self.part: Scope | None = None
-        self.instance: Instance | None = None
         self.open: list[Keyword] = []  # PART, ASSEMBLY and INSTANCE not yet ended
 
     # --- keywords ---------------------------------------------------------------------------------
@@ -78,33 +77,27 @@ class _Reader(Deck):
             self.notes.append(
                 f"line {keyword.line}: the parameter {parameter!r} of *{name} is not read"
             )
-        if name in _MAKES_MESH:
-            raise keyword.error(
-                "generates or moves nodes and elements, which is not read; write the mesh out "
-                "node by node (in Abaqus/CAE: export the model as an orphan mesh)"
-            )
-        if name in ("PART", "ASSEMBLY", "INSTANCE"):
-            self._begin(keyword)
-        elif name in ("END PART", "END ASSEMBLY", "END INSTANCE"):
-            if not self.open or self.open[-1].name != name[4:]:
-                raise keyword.error(f"must end a *{name[4:]}, but none is open")
-            self.open.pop()
-            self.part = None if name == "END PART" else self.part
-            self.instance = None if name == "END INSTANCE" else self.instance
-        elif name == "NODE":
-            self._nodes(keyword)
-        elif name == "ELEMENT":
-            self._elements(keyword)
-        elif name in ("NSET", "ELSET"):
-            self._set(keyword)
-        elif name not in _SILENT:
-            self.unused[f"*{name}"] += 1
-
-    @property
-    def scope(self) -> Scope:
-        if self.instance is not None:
-            return self.instance.own
-        return self.part if self.part is not None else self.top
+        match name:
+            case "PART" | "ASSEMBLY" | "INSTANCE":
+                self._begin(keyword)
+            case "END PART" | "END ASSEMBLY" | "END INSTANCE":
+                if not self.open or self.open[-1].name != name[4:]:
+                    raise keyword.error(f"must end a *{name[4:]}, but none is open")
+                self.open.pop()
+                self.scope = self.top
+            case "NODE":
+                self._nodes(keyword)
+            case "ELEMENT":
+                self._elements(keyword)
+            case "NSET" | "ELSET":
+                self._set(keyword)
+            case _ if name in _MAKES_MESH:
+                raise keyword.error(
+                    "generates or moves nodes and elements, which is not read; write the mesh out "
+                    "node by node (in Abaqus/CAE: export the model as an orphan mesh)"
+                )
+            case _ if name not in _SILENT:
+                self.unused[f"*{name}"] += 1
 
     def _begin(self, keyword: Keyword) -> None:
         within = [k.name for k in self.open]
@@ -118,14 +111,14 @@ class _Reader(Deck):
         if name.upper() in known:
             raise keyword.error(f"the name must be new, got {name!r} again")
         if keyword.name == "PART":
-            self.part = self.parts[name.upper()] = Scope(name)
+            self.scope = self.parts[name.upper()] = Scope(name)
             return
         part = keyword.parameters.get("PART", "")
         if part and part.upper() not in self.parts:
             names = named(sorted(scope.name for scope in self.parts.values())) or "none"
             raise keyword.error(f"the part must be one of {names}, got {part!r}")
-        self.instance = Instance(name, part.upper(), _transform(keyword), Scope(name))
-        self.instances[name.upper()] = self.instance
+        self.scope = Scope(name)
+        self.instances[name.upper()] = Instance(name, part.upper(), _transform(keyword), self.scope)
 
     def _nodes(self, keyword: Keyword) -> None:
         if keyword.parameters.get("SYSTEM", "R").upper() != "R":

@@ -8,6 +8,7 @@ another file.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -17,6 +18,7 @@ from pathlib import Path
 from .deck import Block, Deck, Line, attached
 from .errors import FileError, read_lines
 
+_FIELD = re.compile(r',((?:[^",]+|"[^"]*"?)*)')  # what follows a comma that is in no quotes
 _CLOSE = 0.75  # similarity to a known keyword: that of NSET with one letter changed
 
 
@@ -105,7 +107,7 @@ def _parts(deck: Deck, path: Path, lines: list[str]) -> Iterator[Keyword | DataL
             number, text = pending[0], pending[1] + text
             pending = None
         elif not text.startswith("*"):
-            entries = [_unquoted(entry) for entry in _split(text)]
+            entries = [_unquoted(entry) for entry in _FIELD.findall(f",{text}")]
             continues = entries[-1] == ""
             yield DataLine(path, number, text, entries[:-1] if continues else entries, continues)
             continue
@@ -120,27 +122,13 @@ def _parts(deck: Deck, path: Path, lines: list[str]) -> Iterator[Keyword | DataL
 
 
 def _keyword(path: Path, number: int, text: str) -> Keyword:
-    head, *rest = _split(text)
+    head, *rest = _FIELD.findall(f",{text}")
     name = " ".join(head[1:].upper().split())
     parameters = {}
     for item in rest:
         key, equals, value = item.partition("=")
         parameters["".join(key.upper().split())] = _unquoted(value) if equals else ""
     return Keyword(path, number, name, parameters)
-
-
-def _split(text: str) -> list[str]:
-    # split at commas outside quotes
-    if '"' not in text:
-        return text.split(",")
-    parts, inside = [""], False
-    for character in text:
-        inside ^= character == '"'
-        if character == "," and not inside:
-            parts.append("")
-        else:
-            parts[-1] += character
-    return parts
 
 
 def _unquoted(text: str) -> str:

@@ -120,24 +120,19 @@ class Model:
         by_kind: dict[str, list[int]] = defaultdict(list)
         for i, (_, kind, _) in enumerate(self.elements):
             by_kind[kind].append(i)
-        for kind in by_kind:
-            of_film = kind in KINDS and KINDS[kind][0] != LINE
-            if of_film and not kind.startswith(("S3", "S4", "STRI")):
-                self.notes.append(
-                    f"{len(by_kind[kind])} elements of type {kind}, which do not bend, are read as "
-                    "shells"
-                )
         blocks, new_number, n_cell = [], np.zeros(len(self.elements), np.int64), 0
         for kind, members in by_kind.items():
             new_number[members] = n_cell + np.arange(len(members))
             n_cell += len(members)
             labels = [self.elements[i][0] for i in members]
-            if kind not in KINDS | QUADRATIC:
-                blocks.append(CellBlock(kind, labels, np.empty((len(members), 0), np.int64)))
-                continue
             nodes = np.array([self.elements[i][2] for i in members], dtype=np.int64)
+            known, _ = KINDS.get(kind, (kind, 0))
             corners, _ = QUADRATIC.get(kind, ("", 0))
-            blocks.append(CellBlock(kind if corners else KINDS[kind][0], labels, nodes, corners))
+            blocks.append(CellBlock(known, labels, nodes, corners))
+            if known in (TRIANGLE, QUAD) and not kind.startswith(("S3", "S4", "STRI")):
+                self.notes.append(
+                    f"{len(members)} elements of type {kind}, which do not bend, are read as shells"
+                )
         groups = {
             kind: {
                 name: self._members(kind, key, upper, ())

@@ -13,6 +13,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 ANGULAR_DEVIATION = 0.3
 """Largest angle between the triangles along a curved face [rad]: a fillet smaller than the chord
 deviation keeps its turn."""
@@ -40,7 +42,6 @@ def main(path: str, out: str, deviation: str, scale: str) -> None:
     user knows the file's unit better than the file.
     """
     import gmsh
-    import numpy as np
 
     chord, n_solid = 0.0, 0
     problems: list[str] = []
@@ -129,8 +130,6 @@ def _refusals(gmsh: Any) -> list[str]:
 
 
 def _triangles(gmsh: Any, chord: float, scale: float) -> tuple[Any, Any, list[str]]:
-    import numpy as np
-
     notes = []
     solids = gmsh.model.getEntities(3)
     faces = [face for _, face in gmsh.model.getEntities(2)]

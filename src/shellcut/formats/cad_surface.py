@@ -29,7 +29,7 @@ _SOLIDS = (b"MANIFOLD_SOLID_BREP", b"BREP_WITH_VOIDS", b"FACETED_BREP")
 """Statements of STEP that make a solid; assemblies repeat them without statements."""
 
 _STEP_BEGINS = b"ISO-10303-21"
-_STATEMENT = re.compile(rb"\s*#(\d+)\s*=(.*)", re.S)
+_STATEMENT = re.compile(rb"#(\d+)\s*=([^;]*)")
 _CONTEXT = re.compile(rb"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)")
 _SI = re.compile(rb"\bSI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)")
 # parts in the order of the alphabet, as the standard wants
@@ -124,25 +124,19 @@ def stated_unit(path: Path, content: bytes) -> list[float]:
 
 def _of_step(path: Path, content: bytes) -> list[float]:
     # the units of the contexts; one that only defines another (inches by millimetres) is in none
-    of_length: dict[bytes, bytes] = {}
-    measures: dict[bytes, tuple[bytes, bytes]] = {}  # a number, and the unit it counts
-    used: set[bytes] = set()
-    for statement in content.split(b";"):
-        if b"UNIT" not in statement or not (found := _STATEMENT.search(statement)):
-            continue
-        for context in _CONTEXT.findall(statement):
-            used |= set(re.findall(rb"#(\d+)", context))
-        if measure := _MEASURE.search(statement):
-            measures[found[1]] = measure[1], measure[2]
-        elif re.search(rb"\bLENGTH_UNIT\b", statement):
-            of_length[found[1]] = found[2]
+    of_units = {one[1]: one[2] for one in _STATEMENT.finditer(content) if b"UNIT" in one[2]}
+    contexts = [context for text in of_units.values() for context in _CONTEXT.findall(text)]
+    used = {tag for context in contexts for tag in re.findall(rb"#(\d+)", context)}
     lengths = set()
-    for tag in sorted(used & of_length.keys()):
-        unit, factor, name = of_length[tag], 1.0, b""
+    for tag in sorted(used):
+        unit, factor, name = of_units.get(tag, b""), 1.0, b""
+        if not re.search(rb"\bLENGTH_UNIT\b", unit):
+            continue
         if conversion := _NAMED.search(unit):
             name, counted = conversion.groups()
-            number, base = measures.get(counted, (b"0", b""))
-            unit = of_length.get(base, b"")
+            measure = _MEASURE.search(of_units.get(counted, b""))
+            number, base = measure.groups() if measure else (b"0", b"")
+            unit = of_units.get(base, b"")
             try:
                 factor = float(number)
             except ValueError:

@@ -73,17 +73,12 @@ class Content:
         """Return texts as numbers of a kind."""
         as_float = kind[0] == "f"
         read = numerals.number if as_float else numerals.whole
-        try:
-            return np.array([read(t) for t in texts], np.float64 if as_float else np.int64)
-        except (ValueError, OverflowError):
-            what = "numbers" if as_float else "whole numbers"
-            raise self.error(f"there must be {what}, got {_odd(texts)}") from None
-
-
-def _odd(texts: list[bytes]) -> str:
-    for text in texts:
-        try:
-            float(text)
-        except ValueError:
-            return repr(text[:20].decode("latin-1"))
-    return "a number out of range"
+        values = list[float]()
+        for text in texts:
+            try:
+                values.append(read(text))
+            except ValueError:
+                what = "numbers" if as_float else "whole numbers"
+                shown = text[:20].decode("latin-1")
+                raise self.error(f"there must be {what}, got {shown!r}") from None
+        return np.array(values, np.float64 if as_float else np.int64)

@@ -13,9 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from shellcut.arrays import Floats, Ints
+from shellcut.arrays import ArrayLike, Floats, Ints
 
 from .errors import FileError, named
 
@@ -58,16 +57,11 @@ class FileMesh:
     notes: list[str] = field(default_factory=list)
     """Omissions and assumptions of the reader."""
 
-    @property
-    def n_cell(self) -> int:
-        """Number of cells of all blocks."""
-        return sum(len(block.nodes) for block in self.blocks)
-
 
 class Numbering:
     """Map labels (ids in a file) to rows of an array."""
 
-    def __init__(self, path: Path, what: str, labels: npt.ArrayLike, places: Floats | None = None):
+    def __init__(self, path: Path, what: str, labels: ArrayLike, places: Floats | None = None):
         self.path, self.what = path, what
         self.labels = np.asarray(labels, dtype=np.int64)
         order = np.argsort(self.labels, kind="stable")
@@ -84,33 +78,25 @@ class Numbering:
         self._order = np.delete(order, again + 1)
         self._sorted = self.labels[self._order]
 
-    def rows(self, labels: npt.ArrayLike, wanted_by: str) -> Ints:
+    def rows(self, labels: ArrayLike, wanted_by: str) -> Ints:
         """Return the rows of some labels, of any shape.
 
         The part of the file that uses them is named as ``wanted_by``.
         """
         ids = np.asarray(labels, dtype=np.int64)
-        found = np.zeros(ids.shape, dtype=np.int64)
-        if len(self._sorted):
-            found = np.minimum(np.searchsorted(self._sorted, ids), len(self._sorted) - 1)
-            missing = self._sorted[found] != ids
-            found = self._order[found]
-        else:
-            missing = np.ones(ids.shape, dtype=np.bool_)
-        if missing.any():
+        missing = ids[~np.isin(ids, self._sorted)]
+        if missing.size:
             raise FileError(
                 self.path,
                 f"{wanted_by} must name {self.what}s that the file defines, got "
-                f"{named(np.unique(ids[missing]))}; is the file cut short?",
+                f"{named(np.unique(missing))}; is the file cut short?",
             )
-        rows: Ints = found.astype(np.int64)
-        return rows
+        return np.asarray(self._order[np.searchsorted(self._sorted, ids)], np.int64)
 
     def between(self, first: int, last: int) -> Ints:
         """Return the rows of the existing labels from ``first`` to ``last``."""
         low, high = np.searchsorted(self._sorted, [first, last + 1])
-        rows: Ints = self._order[low:high].astype(np.int64)
-        return rows
+        return np.asarray(self._order[low:high], np.int64)
 
 
 def unique_names(groups: Sequence[tuple[str, Any, Ints]]) -> dict[str, Ints]:

@@ -6,6 +6,7 @@ declared counts; sections without mesh data are skipped.
 
 from __future__ import annotations
 
+import re
 from collections import Counter, defaultdict
 from pathlib import Path
 from typing import NamedTuple
@@ -59,6 +60,7 @@ _PASSED_OVER = (
     *("Comments", "Periodic", "Parametrizations"),
     *("NodeData", "ElementData", "ElementNodeData", "InterpolationScheme"),
 )
+_NAMED = re.compile(rb'\s*(\d+) (\d+) "([^"]*)"\s*')  # dimension, tag, name, which may have blanks
 _ENTITY = ("point", "curve", "surface", "volume")
 
 
@@ -103,7 +105,7 @@ class _Reader(Content):
         while (name := self._section()) is not None:
             if name in _PASSED_OVER:
                 self.unused[f"${name}"] += name != "Comments"
-                self._skip_to_end(name)
+                self._until_end(name)
                 continue
             if name not in readers:
                 raise self.error(
@@ -114,10 +116,7 @@ class _Reader(Content):
                 raise self.error(f"each section must occur once, got ${name} again")
             seen.add(name)
             if in_text := not self.order or name == "PhysicalNames":
-                start = self.at
-                self._skip_to_end(name)
-                end = self.content.rfind(b"$End", start, self.at)
-                self.tokens, self.next_token = self.content[start:end].split(), 0
+                self.tokens, self.next_token = self._until_end(name).split(), 0
             readers[name]()
             if not in_text:
                 self._end(name)
@@ -133,36 +132,30 @@ class _Reader(Content):
     def _format(self) -> str:
         if self._section() != "MeshFormat":
             raise self.error("a .msh file must begin with $MeshFormat")
-        fields = self.line().split()
-        if len(fields) != 3 or fields[1] not in (b"0", b"1") or fields[2] != b"8":
-            raise self.error(f"$MeshFormat must read 'version 0|1 8', got {b' '.join(fields)!r}")
-        version = fields[0].decode("latin-1")
-        if version not in ("2.2", "4.1"):
-            raise self.error(
-                f"the version must be 2.2 or 4.1, got {version}; save it again with "
-                "Mesh.MshFileVersion = 4.1"
-            )
-        self.order = "<" * int(fields[1])
+        line = self.line().decode("latin-1")
+        match line.split():
+            case ["2.2" | "4.1" as version, "0" | "1" as is_binary, "8"]:
+                self.order = "<" * int(is_binary)
+            case [version, "0" | "1", "8"]:
+                raise self.error(
+                    f"the version must be 2.2 or 4.1, got {version}; save it again with "
+                    "Mesh.MshFileVersion = 4.1"
+                )
+            case _:
+                raise self.error(f"$MeshFormat must read 'version 0|1 8', got {line!r}")
         if self.order and self.numbers("i4")[0] != 1:
             raise self.error("a binary .msh must be little-endian")
         self._end("MeshFormat")
         return version
 
     def _physical_names(self) -> None:
-        # names may contain blanks: dimension, tag, then everything up to the closing quote
-        rest = b" ".join(self.tokens[1:])
-        for _ in range(int(self.read("i8", self.texts(1))[0])):
-            head, quote, tail = rest.partition(b'"')
-            name, closing, rest = tail.partition(b'"')
-            numbers = head.split()
-            if not quote or not closing or len(numbers) != 2:
-                raise self.error('$PhysicalNames must hold lines: dimension tag "name"')
-            try:
-                key = int(numbers[0]), int(numbers[1])
-            except ValueError:
-                raise self.error("$PhysicalNames must hold whole numbers") from None
-            self.names[key] = decoded(name)
-        self.next_token = len(self.tokens) if not rest.strip() else 0
+        declared = int(self.read("i8", self.texts(1))[0])
+        text = b" ".join(self.texts(len(self.tokens) - 1))
+        if _NAMED.sub(b"", text):
+            raise self.error('$PhysicalNames must hold lines: dimension tag "name"')
+        found = _NAMED.findall(text)
+        self._check_count("groups", declared, len(found))
+        self.names = {(int(dim), int(tag)): decoded(name) for dim, tag, name in found}
 
     def _entities(self) -> None:
         counts = self._sizes(4)
@@ -217,24 +210,19 @@ class _Reader(Content):
         rows: dict[tuple[int, int], list[list[int]]] = defaultdict(list)
         read = 0
         while read < count:
-            if self.order:
-                kind, n_follow, n_tag = self.numbers("i4", 3).tolist()
-                n = self._type(kind)[1]
-                if n_follow < 1:
-                    raise self.error("$Elements must hold blocks of at least one element")
-                width = 1 + n_tag + n
-                table = self.numbers("i4", n_follow * width).reshape(n_follow, width).tolist()
-            else:
-                head = self.numbers("i8", 3).tolist()
-                kind, n_tag = head[1], head[2]
-                n = self._type(kind)[1]
-                if n_tag < 0:
-                    raise self.error("the number of tags of an element must not be negative")
-                table = [[head[0], *self.numbers("i8", n_tag + n).tolist()]]
-            for row in table:
+            # binary: type, number of elements, number of tags; as text: id, type, number of tags
+            first, second, n_tag = self.numbers("i4", 3).tolist()
+            kind, n_follow, label = (first, second, []) if self.order else (second, 1, [first])
+            if n_follow < 1 or n_tag < 0:
+                raise self.error(
+                    f"blocks must have 1 element and 0 tags or more, got {n_follow} and {n_tag}"
+                )
+            width = 1 - len(label) + n_tag + self._type(kind)[1]
+            for row in self.numbers("i4", n_follow * width).reshape(n_follow, width).tolist():
+                row = label + row
                 group = abs(row[1]) if n_tag else 0
                 rows[kind, group].append([row[0], *row[1 + n_tag :]])
-            read += len(table)
+            read += n_follow
         self._check_count("elements", count, read)
         for (kind, group), table in rows.items():
             name, _ = self._type(kind)
@@ -244,12 +232,7 @@ class _Reader(Content):
             self.cells.append(_Cells(name, array[:, 0], array[:, 1:], groups))
 
     def _count_2(self) -> int:
-        if not self.order:
-            return int(self.numbers("i8")[0])
-        try:
-            return int(self.line())
-        except ValueError:
-            raise self.error("a section must begin with the number of its entries") from None
+        return int(self.read("i8", [self.line()] if self.order else self.texts(1))[0])
 
     def _type(self, kind: int) -> tuple[str, int]:
         if kind not in _TYPES:
@@ -325,12 +308,13 @@ class _Reader(Content):
         if line != b"$End" + name.encode("latin-1"):
             raise self.error(f"${name} must end with $End{name} after its declared content")
 
-    def _skip_to_end(self, name: str) -> None:
+    def _until_end(self, name: str) -> bytes:
         end = self.content.find(b"$End" + name.encode("latin-1"), self.at)
         if end < 0:
             raise self.error(f"${name} must end with $End{name}: the file is cut short")
-        self.at = end
+        within = self.raw(end - self.at)
         self.line()
+        return within
 
     def _sizes(self, n: int) -> list[int]:
         sizes: list[int] = self.numbers("i8", n).tolist()

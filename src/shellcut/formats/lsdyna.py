@@ -93,30 +93,29 @@ class _Reader(Deck):
 
     def take(self, block: CardBlock) -> None:
         name = block.name
-        first, _, rest = name.partition("_")
-        if name in _MOVES_MESH:
-            raise block.error(
-                "generates or moves nodes and elements, which is not read; write the final mesh "
-                "out (LS-PrePost: save keyword)"
-            )
-        if name == "NODE":
-            self._nodes(block)
-        elif name == "ELEMENT_SHELL" or name.startswith("ELEMENT_SHELL_"):
-            self._shells(block)
-        elif first == "ELEMENT":
-            # the id on each card, 0 on a continuation card
-            ids = (re.match(r"\s*(\d{1,20})", c.text) for c in block.data if c.text.strip())
-            self.others[name] += [int(found[1]) if found else 0 for found in ids]
-        elif name == "PART" or name.startswith("PART_"):
-            self._parts(block)
-        elif first == "SET":
-            self._set(block, rest.split("_")[0])
-        elif name not in _SILENT:
-            if f"*{name}" not in self.unused and (
-                near := get_close_matches(name, _SPELLED, 1, _CLOSE)
-            ):
-                raise block.error(f"keywords must be spelt out; did you mean *{near[0]}?")
-            self.unused[f"*{name}"] += 1
+        match name.split("_"):
+            case _ if name in _MOVES_MESH:
+                raise block.error(
+                    "generates or moves nodes and elements, which is not read; write the final "
+                    "mesh out (LS-PrePost: save keyword)"
+                )
+            case ["NODE"]:
+                self._nodes(block)
+            case ["ELEMENT", "SHELL", *_]:
+                self._shells(block)
+            case ["ELEMENT", *_]:
+                # the id on each card, 0 on a continuation card
+                ids = (re.match(r"\s*(\d{1,20})", c.text) for c in block.data if c.text.strip())
+                self.others[name] += [int(found[1]) if found else 0 for found in ids]
+            case ["PART", *_]:
+                self._parts(block)
+            case ["SET", kind, *_]:
+                self._set(block, kind)
+            case _ if name not in _SILENT:
+                is_new = f"*{name}" not in self.unused
+                if is_new and (near := get_close_matches(name, _SPELLED, 1, _CLOSE)):
+                    raise block.error(f"keywords must be spelt out; did you mean *{near[0]}?")
+                self.unused[f"*{name}"] += 1
 
     def _set(self, block: CardBlock, kind: str) -> None:
         if kind in self.sets:
@@ -254,34 +253,34 @@ class _Reader(Deck):
     def _rows(
         self, block: CardBlock, how: str, cards: list[Card], numbers: Numbering | None
     ) -> Ints | None:
-        if how == "LIST":
-            return _found(block, _integers(block, cards), numbers)
-        if how == "COLUMN":
-            ids = [_id(card, card.fields(_EIGHT[block.layout])[0], "an id") for card in cards]
-            return _found(block, ids, numbers)
-        if how in ("LIST_GENERATE", "GENERATE") and numbers is not None:
-            ends = _integers(block, cards)
-            if len(ends) % 2:
-                raise block.error(f"ranges must have a first and a last id, got {len(ends)} ids")
-            ranges = [_NONE]
-            for a, b in zip(ends[::2], ends[1::2], strict=True):
-                ranges.append(numbers.between(a, b))
-                self.budget.take("ids in its sets", len(ranges[-1]))
-            return np.concatenate(ranges)
-        return None
+        match how:
+            case "LIST":
+                ids = _integers(block, cards)
+            case "COLUMN":
+                ids = [_id(card, card.fields(_EIGHT[block.layout])[0], "an id") for card in cards]
+            case "LIST_GENERATE" | "GENERATE" if numbers is not None:
+                return self._ranges(block, _integers(block, cards), numbers)
+            case _:
+                return None
+        members: Ints = np.array(ids, dtype=np.int64)
+        if numbers is None:
+            return members
+        return numbers.rows(members, f"*{block.name}, line {block.line},")
+
+    def _ranges(self, block: CardBlock, ends: list[int], numbers: Numbering) -> Ints:
+        if len(ends) % 2:
+            raise block.error(f"ranges must have a first and a last id, got {len(ends)} ids")
+        ranges = [_NONE]
+        for a, b in zip(ends[::2], ends[1::2], strict=True):
+            ranges.append(numbers.between(a, b))
+            self.budget.take("ids in its sets", len(ranges[-1]))
+        return np.concatenate(ranges)
 
 
 def _integers(block: CardBlock, cards: list[Card]) -> list[int]:
     # zeros and blanks are padding
     entries = [(card, entry) for card in cards for entry in card.fields(_EIGHT[block.layout])]
     return [value for card, entry in entries if (value := card.integer(entry, "an id"))]
-
-
-def _found(block: CardBlock, ids: list[int], numbers: Numbering | None) -> Ints:
-    members: Ints = np.array(ids, dtype=np.int64)
-    if numbers is None:
-        return members
-    return numbers.rows(members, f"*{block.name}, line {block.line},")
 
 
 def _id(card: Card, entry: str, what: str) -> int:
@@ -331,17 +330,18 @@ def _blocks(deck: Deck, path: Path, layout: Layout) -> Iterator[CardBlock]:
     with deck.reading(path) as lines:
         for block in attached(_parts(deck, path, lines, layout)):
             assert isinstance(block, CardBlock)
-            if block.name == "KEYWORD":
-                layout = block.layout
-            elif block.name in ("INCLUDE_PATH", "INCLUDE_PATH_RELATIVE"):
-                deck.folders += [path.parent / name for name in _file_names(block)]
-            elif block.name == "INCLUDE":
-                for name in _file_names(block):
-                    yield from _blocks(deck, deck.included(block, name), layout)
-            elif block.name.startswith("INCLUDE"):
-                raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
-            else:
-                yield block
+            match block.name:
+                case "KEYWORD":
+                    layout = block.layout
+                case "INCLUDE_PATH" | "INCLUDE_PATH_RELATIVE":
+                    deck.folders += [path.parent / name for name in _file_names(block)]
+                case "INCLUDE":
+                    for name in _file_names(block):
+                        yield from _blocks(deck, deck.included(block, name), layout)
+                case name if name.startswith("INCLUDE"):
+                    raise block.error("is not read: only *INCLUDE and *INCLUDE_PATH are")
+                case _:
+                    yield block
 
 
 def _parts(deck: Deck, path: Path, lines: list[str], layout: Layout) -> Iterator[CardBlock | Card]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import accumulate
 from pathlib import Path
 
 from .declared_content import Content
@@ -19,6 +18,7 @@ _TYPES = {
     **dict.fromkeys(("float", "float32"), "f4"),
     **dict.fromkeys(("double", "float64"), "f8"),
 }
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _FACE_LISTS = ("vertex_indices", "vertex_index")
 
 
@@ -48,31 +48,17 @@ class _Reader(Content):
 
     def surface(self) -> SurfaceFile:
         self._header()
-        # of a text: the number of each line and of the values up to its end, if each has an element
-        ends: list[tuple[int, int]] = []
         if not self.order:
-            first = self.content[: self.at].count(b"\n") + 1
-            lines = [line.split() for line in self.content[self.at :].splitlines()]
-            self.tokens = [token for line in lines for token in line]
-            numbered = [(number, line) for number, line in enumerate(lines, first) if line]
-            if len(numbered) == sum(element.count for element in self.elements):
-                n_value = accumulate(len(line) for _, line in numbered)
-                ends = [(number, n) for (number, _), n in zip(numbered, n_value, strict=True)]
+            self.tokens = self.content[self.at :].split()
+            self.at = len(self.content)
         vertices: list[list[float]] = []
         faces: list[list[int]] = []
-        n_row = row_size = 0
+        row_size = 0
         for element in self.elements:
             for _ in range(element.count):
                 start = self.at
                 row = self._row(element)
                 row_size = self.at - start
-                if ends and self.next_token != ends[n_row][1]:
-                    more = "more" if self.next_token < ends[n_row][1] else "fewer"
-                    raise self.error(
-                        f"each {element.name} must have its own line, but {element.name} in line "
-                        f"{ends[n_row][0]} of the file has {more} values than it should"
-                    )
-                n_row += 1
                 if element.name == "vertex":
                     vertices.append([row[axis][0] for axis in "xyz"])
                 elif element.name == "face":
@@ -80,9 +66,9 @@ class _Reader(Content):
                     if len(corners) < 3:
                         raise self.error(f"a face must have three vertices, got {corners}")
                     faces.append(corners)
-        if self.order and len(self.content) - self.at < row_size:
+        if len(self.content) - self.at < row_size:
             self.rest()  # less than the last row has, so no row is lost
-        if self.at < len(self.content) if self.order else self.next_token < len(self.tokens):
+        if self.at < len(self.content) or self.next_token < len(self.tokens):
             raise self.error("the file must end after the content declared in the header")
         surface = surface_of_polygons(self.path, vertices, faces)
         surface.notes += self.notes
@@ -95,20 +81,23 @@ class _Reader(Content):
             raise self.error("a PLY file must have a header from 'ply' to 'end_header'")
         self.at = stop + 1
         for line in self.content[:end].decode("latin-1").splitlines()[1:]:
-            words = line.split()
-            if not words or words[0] in ("comment", "obj_info"):
-                continue
-            if words[0] == "format" and len(words) == 3 and words[2] == "1.0":
-                orders = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-                if words[1] not in orders:
-                    raise self.error(f"the format must be one of {', '.join(orders)}")
-                self.order = orders[words[1]]
-            elif words[0] == "element" and len(words) == 3 and words[2].isdigit():
-                self.elements.append(_Element(words[1], int(words[2])))
-            elif words[0] == "property" and self.elements and self._property(words):
-                continue
-            else:
-                raise self.error(f"this line of the header is invalid: {line!r}")
+            kinds = _TYPES if self.elements else {}  # of properties, which belong to an element
+            match line.split():
+                case [] | ["comment" | "obj_info", *_]:
+                    continue
+                case ["format", order, "1.0"] if order in _ORDERS:
+                    self.order = _ORDERS[order]
+                case ["format", _, "1.0"]:
+                    raise self.error(f"the format must be one of {', '.join(_ORDERS)}")
+                case ["element", name, count] if count.isdigit():
+                    self.elements.append(_Element(name, int(count)))
+                case ["property", "list", of_count, kind, name] if {of_count, kind} <= {*kinds}:
+                    listed = _Property(name, kinds[kind], kinds[of_count])
+                    self.elements[-1].properties.append(listed)
+                case ["property", kind, name] if kind in kinds:
+                    self.elements[-1].properties.append(_Property(name, kinds[kind]))
+                case _:
+                    raise self.error(f"this line of the header is invalid: {line!r}")
         if bare := [e for e in self.elements if e.count and not e.properties]:
             raise self.error(
                 f"elements must have properties, got {bare[0].count:,} of {bare[0].name} without"
@@ -122,15 +111,6 @@ class _Reader(Content):
             raise self.error("there must be an element vertex with x, y and z")
         if not lists.get("face", set()) & set(_FACE_LISTS):
             raise self.error(f"there must be an element face with a list {_FACE_LISTS[0]}")
-
-    def _property(self, words: list[str]) -> bool:
-        properties = self.elements[-1].properties
-        n = len(properties)
-        if len(words) == 5 and words[1] == "list" and {words[2], words[3]} <= set(_TYPES):
-            properties.append(_Property(words[4], _TYPES[words[3]], _TYPES[words[2]]))
-        elif len(words) == 3 and words[1] in _TYPES:
-            properties.append(_Property(words[2], _TYPES[words[1]]))
-        return len(properties) > n
 
     def _row(self, element: _Element) -> dict[str, list[float]]:
         row = {}

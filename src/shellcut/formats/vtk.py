@@ -10,7 +10,6 @@ contains only 0 and 1, otherwise ``name_7`` and the like for each value.
 from __future__ import annotations
 
 import re
-import traceback
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -27,6 +26,14 @@ from .file_mesh import LINE, POINT, QUAD, TRIANGLE, CellBlock, FileMesh, unused_
 _KINDS = {"vertex": POINT, "line": LINE, "triangle": TRIANGLE, "quad": QUAD, "pixel": QUAD}
 _POLYGONS = {3: TRIANGLE, 4: QUAD}
 _QUADRATIC = {"line3": LINE, "triangle6": TRIANGLE, "quad8": QUAD, "quad9": QUAD}
+_DECLARED_IN_LEGACY = {
+    "points": rb"(?i)\n\s*POINTS\s+(\d+)",
+    "cells": rb"(?i)\n\s*CELL_TYPES\s+(\d+)",
+}
+_DECLARED_IN_XML = {
+    "points": rb"\bNumberOfPoints\s*=\s*[\"']\s*(\d+)",
+    "cells": rb"\bNumberOfCells\s*=\s*[\"']\s*(\d+)",
+}
 _MOST_VALUES = 64  # an array with more distinct values is data, not a group
 _CONVERT = (
     "open it in ParaView, choose the filter Append Datasets, and save the result as .vtu with the "
@@ -50,14 +57,12 @@ def read_vtk(path: str | Path) -> FileMesh:
 
 def _declared(path: Path, content: bytes) -> dict[str, int]:
     # numbers of points and cells; none of a structured grid, whose dimensions give them
-    if path.suffix.lower() != ".vtk":
-        points = re.findall(rb"\bNumberOfPoints\s*=\s*[\"']\s*(\d+)", content)
-        cells = re.findall(rb"\bNumberOfCells\s*=\s*[\"']\s*(\d+)", content)
-        return {"points": sum(map(int, points)), "cells": sum(map(int, cells))}
-    points = re.findall(rb"(?i)\n\s*POINTS\s+(\d+)", content)
-    cells = re.findall(rb"(?i)\n\s*CELL_TYPES\s+(\d+)", content)
-    found = {"points": points, "cells": cells}
-    return {what: sum(map(int, numbers)) for what, numbers in found.items() if numbers}
+    legacy = path.suffix.lower() == ".vtk"
+    patterns = _DECLARED_IN_LEGACY if legacy else _DECLARED_IN_XML
+    found = {what: re.findall(pattern, content) for what, pattern in patterns.items()}
+    return {
+        what: sum(map(int, numbers)) for what, numbers in found.items() if numbers or not legacy
+    }
 
 
 def _by_meshio(path: Path, file: Path, declared: dict[str, int]) -> Any:
@@ -125,14 +130,7 @@ def _cause(reason: BaseException) -> str:
         return f"there must be {cause.args[0]!r}, but it is missing"
     if cause is not None:
         return f"{type(cause).__name__}: {cause}"
-    place = "reading"
-    for frame, _ in traceback.walk_tb(reason.__traceback__):
-        if "meshio" in frame.f_code.co_filename:
-            place = frame.f_code.co_name.strip("_").replace("_", " ")
-    return (
-        f"it stops at {place!r}: the declarations and the content there do not match; "
-        "is it damaged, or cut short?"
-    )
+    return "its declarations and its content do not match; is it damaged, or cut short?"
 
 
 def _groups(data: dict[str, Any], unused: Counter[str]) -> dict[str, Ints]:

@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 import numpy as np
-import numpy.typing as npt
 
-from shellcut.arrays import Bools, Floats, Ints, angles, norm, unit
+from shellcut.arrays import ArrayLike, Bools, Floats, Ints, angles, norm, unit
 from shellcut.formats.errors import named, point_text
 
 from .quad_geometry import (
@@ -59,12 +58,12 @@ class MeshError(ValueError):
 
 
 def checked_arrays(
-    nodes: npt.ArrayLike,
-    quads: npt.ArrayLike,
-    node_sets: Mapping[str, npt.ArrayLike] | None,
-    quad_sets: Mapping[str, npt.ArrayLike] | None,
-    directors: npt.ArrayLike | None,
-    origin: npt.ArrayLike | None,
+    nodes: ArrayLike,
+    quads: ArrayLike,
+    node_sets: Mapping[str, ArrayLike] | None,
+    quad_sets: Mapping[str, ArrayLike] | None,
+    directors: ArrayLike | None,
+    origin: ArrayLike | None,
     max_fold_deg: float,
 ) -> tuple[Floats, Ints, Floats, dict[str, Ints], dict[str, Ints], Ints]:
     """Return the arguments of :meth:`Mesh.from_arrays`, cast, in the order of the constructor."""
@@ -151,7 +150,7 @@ def _quad_pairs(first: Ints, second: Ints, X: Floats, Q: Ints) -> str:
     return named(pairs, lambda p: " and ".join(_quad_places(p[i : i + 1], X, Q) for i in (0, 1)))
 
 
-def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
+def _cast_nodes(nodes: ArrayLike, problems: list[str]) -> Floats | None:
     X = np.array(nodes, dtype=np.float64, order="C")
     if X.ndim != 2 or X.shape[1] not in (2, 3) or len(X) == 0:
         problems.append(
@@ -163,7 +162,7 @@ def _cast_nodes(nodes: npt.ArrayLike, problems: list[str]) -> Floats | None:
     return X
 
 
-def _cast_quads(quads: npt.ArrayLike, problems: list[str]) -> Ints | None:
+def _cast_quads(quads: ArrayLike, problems: list[str]) -> Ints | None:
     Q = np.array(quads, order="C")
     if Q.ndim != 2 or Q.shape[1] != 4 or len(Q) == 0:
         problems.append(
@@ -178,7 +177,7 @@ def _cast_quads(quads: npt.ArrayLike, problems: list[str]) -> Ints | None:
 
 
 def _cast_ids(
-    what: str, ids: npt.ArrayLike, n: int, problems: list[str], *, unique: bool = True
+    what: str, ids: ArrayLike, n: int, problems: list[str], *, unique: bool = True
 ) -> Ints:
     members = np.array(ids)
     none = np.empty(0, dtype=np.int64)
@@ -204,7 +203,7 @@ def _cast_ids(
 
 
 def cast_sets(
-    kind: str, sets: Mapping[str, npt.ArrayLike] | None, n: int, problems: list[str]
+    kind: str, sets: Mapping[str, ArrayLike] | None, n: int, problems: list[str]
 ) -> dict[str, Ints]:
     """Return the named sets of ``kind`` ids below ``n``; an invalid one is left empty."""
     return {
@@ -213,7 +212,7 @@ def cast_sets(
     }
 
 
-def _cast_origin(origin: npt.ArrayLike | None, n_node: int, problems: list[str]) -> Ints:
+def _cast_origin(origin: ArrayLike | None, n_node: int, problems: list[str]) -> Ints:
     if origin is None:
         return np.arange(n_node, dtype=np.int64)
     ancestors = _cast_ids("origin", origin, n_node, problems, unique=False)
@@ -229,9 +228,7 @@ def _cast_origin(origin: npt.ArrayLike | None, n_node: int, problems: list[str])
     return ancestors
 
 
-def _cast_directors(
-    directors: npt.ArrayLike | None, n_node: int, problems: list[str]
-) -> Floats | None:
+def _cast_directors(directors: ArrayLike | None, n_node: int, problems: list[str]) -> Floats | None:
     if directors is None:
         return None
     T = np.array(directors, dtype=np.float64, order="C")
@@ -325,8 +322,7 @@ def _check_shapes(X: Floats, Q: Ints, among: Bools, problems: list[str]) -> Bool
             f"{_quad_places(np.flatnonzero(bad), X, Q)} inverted or folded onto itself, scaled "
             f"Jacobian {named(least[bad], '{:.3g}'.format)}; reorder the corners or move the nodes"
         )
-    sound: Bools = ~(flat | bad)
-    return sound
+    return np.asarray(~(flat | bad))
 
 
 def _check_folds(

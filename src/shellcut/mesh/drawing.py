@@ -34,9 +34,8 @@ from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.numerics.connected_parts import close_parts
 from shellcut.unit import LENGTH
 
-from .loops import area_of, not_one_film, shapely_or_error
 from .mesh import Mesh
-from .outline import QuadSize, mesh_from_outline
+from .outline import QuadSize, area_of, mesh_from_outline, not_one_film, shapely_or_error
 
 _log = logging.getLogger("shellcut.drawing")
 
@@ -378,10 +377,9 @@ def _open_ends(ends: Floats, names: list[str], extent: float) -> str:
     for k, gap in enumerate(gaps[:, 1].tolist()):
         place = point_text(ends[k])
         if gap:
-            next_one = near[k, 1]
             problems[
                 f"an end of {names[k]} at {place} meets no other, {gap:.3g} mm from the end at "
-                f"{point_text(ends[next_one])} of {names[next_one]}"
+                f"{point_text(ends[near[k, 1]])} of {names[near[k, 1]]}"
             ] = gap
         else:
             problems[

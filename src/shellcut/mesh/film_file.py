@@ -24,12 +24,11 @@ from shellcut.formats.gmsh import read_gmsh
 from shellcut.formats.length_unit import FileUnit, unit_in_mm
 from shellcut.formats.lsdyna import read_lsdyna
 from shellcut.formats.vtk import read_vtk
-from shellcut.numerics.connected_parts import connected_parts
 from shellcut.numerics.consistent_winding import common_winding
 
 from .checks import check_film_size, check_quads
 from .mesh import Mesh, MeshError
-from .quad_geometry import coincident
+from .quad_geometry import first_at_place
 
 Triangles: TypeAlias = Literal["refuse", "split"]
 Quadratic: TypeAlias = Literal["refuse", "corners"]
@@ -199,17 +198,13 @@ class _Film:
         self.triangles: Ints = cells[TRIANGLE]
         if not len(self.quads) and not len(self.triangles):
             raise FileError(self.path, "there must be quads or triangles, got none")
-        # of each cell of the file its row among those of the sheet, quads first, lines or points
-        row = {}
-        for what, kinds in (("sheet", (QUAD, TRIANGLE)), (LINE, (LINE,)), (POINT, (POINT,))):
-            place = np.concatenate([part for kind in kinds for part in numbers[kind]])
-            row[what] = np.full(file.n_cell, -1, dtype=np.int64)
-            row[what][place] = np.arange(len(place))
+        sheet = np.concatenate([*numbers[QUAD], *numbers[TRIANGLE]])
+        order = (sheet, np.concatenate(numbers[LINE]), np.concatenate(numbers[POINT]))
         named_lines = np.zeros(len(cells[LINE]), dtype=np.bool_)
         for name, members in file.cell_groups.items():
-            quads, lines, points = (of[members][of[members] >= 0] for of in row.values())
+            quads, lines, points = (np.flatnonzero(np.isin(of, members)) for of in order)
             if len(quads):
-                self.quad_sets[name] = np.sort(quads)
+                self.quad_sets[name] = quads
             if len(lines) or len(points):
                 named_lines[lines] = True
                 self.lines[name] = cells[LINE][lines]
@@ -273,20 +268,16 @@ class _Film:
     def join(self, merge: float | None) -> None:
         used = np.unique(self.quads)
         with naming(self.path):
-            pairs = coincident(self.nodes, used, merge)
-        if not len(pairs):
+            place = first_at_place(self.nodes, used, merge)
+        beside = place[place != np.arange(len(place))].tolist()
+        if not beside:
             return
         if merge is None:
             self.say(
-                f"{len(pairs)} pairs of nodes are at one place and stay apart, the sheet is open "
-                f"there (nodes {named(self.node_labels[n] for n in pairs[:, 0].tolist())}); "
-                "merge=1e-6 joins them"
+                f"{len(beside)} pairs of nodes are at one place and stay apart, the sheet is open "
+                f"there (nodes {named(self.node_labels[n] for n in beside)}); merge=1e-6 joins them"
             )
             return
-        n = len(self.nodes)
-        label = connected_parts(pairs[:, 0], pairs[:, 1], n)
-        _, first = np.unique(label, return_index=True)
-        place = first[label]
         self.quads = place[self.quads]
         self.node_sets = {name: np.unique(place[m]) for name, m in self.node_sets.items()}
         self.say(f"{len(used) - len(np.unique(self.quads))} nodes are merged with others")
@@ -298,13 +289,13 @@ class _Film:
             return
         lost = np.flatnonzero(~used)
         number = np.cumsum(used) - 1
-        off_film = []
-        for name, members in list(self.node_sets.items()):
-            if gone := int((~used[members]).sum()):
-                off_film.append(f"{gone} of {len(members)} of node set {name!r}")
-            self.node_sets[name] = number[members[used[members]]]
-            if not len(self.node_sets[name]):
-                del self.node_sets[name]
+        off_film = [
+            f"{gone} of {len(members)} of node set {name!r}"
+            for name, members in self.node_sets.items()
+            if (gone := int((~used[members]).sum()))
+        ]
+        kept = {name: number[members[used[members]]] for name, members in self.node_sets.items()}
+        self.node_sets = {name: members for name, members in kept.items() if len(members)}
         self.nodes, self.quads = self.nodes[used], number[self.quads]
         among = f", among them {'; '.join(off_film)}" if off_film else ""
         self.say(
@@ -491,8 +482,7 @@ def divided_in_four(mesh: Mesh, max_fold_deg: float = 60.0) -> Mesh:
 
 def _bow_of_sides(mesh: Mesh, ends: Ints) -> Floats:
     # how far the middles of sides lie off the chord, shape (n, 3)
-    pairs = coincident(mesh.nodes, np.unique(mesh.quads))
-    spot = connected_parts(pairs[:, 0], pairs[:, 1], mesh.n_node)
+    spot = first_at_place(mesh.nodes, np.unique(mesh.quads))
     normals = np.zeros_like(mesh.nodes)
     np.add.at(normals, spot, mesh.directors)
     first, last = (unit(normals[spot[ends[:, k]]]) for k in (0, 1))

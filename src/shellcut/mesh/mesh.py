@@ -19,12 +19,12 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from shellcut.arguments import checked
-from shellcut.arrays import Floats, Ints, norm
+from shellcut.arrays import ArrayLike, Floats, Ints, norm
 from shellcut.card import FILM, Figures, card, drawing, extent
 from shellcut.formats.errors import named
+from shellcut.numerics.connected_parts import connected_parts
 
 from .checks import MAX_VALENCE, MeshError, cast_sets, checked_arrays, error, look_up, place
 from .quad_geometry import QuadSides, corner_vectors, edge_lengths, scaled_jacobian
@@ -121,13 +121,13 @@ class Mesh:
     @checked
     def from_arrays(
         cls,
-        nodes: npt.ArrayLike,
-        quads: npt.ArrayLike,
+        nodes: ArrayLike,
+        quads: ArrayLike,
         *,
-        node_sets: Mapping[str, npt.ArrayLike] | None = None,
-        quad_sets: Mapping[str, npt.ArrayLike] | None = None,
-        directors: npt.ArrayLike | None = None,
-        origin: npt.ArrayLike | None = None,
+        node_sets: Mapping[str, ArrayLike] | None = None,
+        quad_sets: Mapping[str, ArrayLike] | None = None,
+        directors: ArrayLike | None = None,
+        origin: ArrayLike | None = None,
         max_fold_deg: float = 60.0,
     ) -> Mesh:
         """Cast, check and freeze a mesh.
@@ -240,7 +240,7 @@ class Mesh:
         """Return the quad ids of a named set, as :meth:`node_set`."""
         return look_up("quad", self.quad_sets, name)
 
-    def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], npt.ArrayLike]) -> Ints:
+    def nodes_where(self, predicate: Callable[[Floats, Floats, Floats], ArrayLike]) -> Ints:
         """Return the ids of the nodes whose position meets a condition, ascending.
 
         Parameters
@@ -267,8 +267,8 @@ class Mesh:
     def with_sets(
         self,
         *,
-        node_sets: Mapping[str, npt.ArrayLike] | None = None,
-        quad_sets: Mapping[str, npt.ArrayLike] | None = None,
+        node_sets: Mapping[str, ArrayLike] | None = None,
+        quad_sets: Mapping[str, ArrayLike] | None = None,
     ) -> Mesh:
         """Return the mesh with further named sets; existing names are refused."""
         problems: list[str] = []
@@ -311,7 +311,7 @@ class Mesh:
         )
 
     @checked
-    def cut(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> Mesh:
+    def cut(self, line_of_nodes: Sequence[int] | Ints) -> Mesh:
         """Return the mesh with a pre-cut (notch) along a line of quad sides.
 
         The nodes of the line are duplicated wherever its sides separate their quads: nodes within
@@ -335,13 +335,14 @@ class Mesh:
         MeshError
             If the line does not follow sides of quads, runs along a border, or would open nothing.
         """
-        line = self._check_line(line_of_nodes)
+        line = self._line(line_of_nodes)
         cut_edges = {frozenset(pair) for pair in pairwise(line)}
         touched = np.flatnonzero(np.isin(self.quads, line).any(axis=1))
-        # for each node of the line, a quad on the left: its sides contain the leaving one (at the
-        # end, the arriving one) in the direction of the line
         sides = [(e, self.quads[e].tolist()) for e in touched.tolist()]
         side_of = {(q[a], q[(a + 1) % 4]): e for e, q in sides for a in range(4)}
+        self._check_sides(line, side_of)
+        # for each node of the line, a quad on the left: its sides contain the leaving one (at the
+        # end, the arriving one) in the direction of the line
         left = {line[-1]: side_of[line[-2], line[-1]]} | {
             i: side_of[i, j] for i, j in pairwise(line)
         }
@@ -374,18 +375,21 @@ class Mesh:
             np.concatenate([self.origin, self.origin[copies]]),
         )
 
-    def _check_line(self, line_of_nodes: Sequence[int] | npt.NDArray[np.integer[Any]]) -> list[int]:
+    def _line(self, line_of_nodes: Sequence[int] | Ints) -> list[int]:
         ids = np.asarray(line_of_nodes)
         if ids.ndim != 1 or len(ids) < 2 or ids.dtype.kind not in "iu":
             raise MeshError(
                 f"line_of_nodes must be two node ids or more in order, got {line_of_nodes!r}"
             )
         line: list[int] = ids.tolist()
-        problems: list[str] = []
         if outside := [n for n in line if not 0 <= n < self.n_node]:
             raise MeshError(
                 f"line_of_nodes must lie within 0 to {self.n_node - 1}, got {named(outside)}"
             )
+        return line
+
+    def _check_sides(self, line: list[int], side_of: Mapping[tuple[int, int], int]) -> None:
+        problems: list[str] = []
         within = line[:-1] if line[0] == line[-1] and len(line) > 3 else line
         if len(set(within)) < len(within):
             twice = sorted({n for n in within if within.count(n) > 1})
@@ -393,10 +397,7 @@ class Mesh:
                 f"line_of_nodes must pass each node once, got {named(twice)} again; cut in parts"
             )
         for i, j in pairwise(line):
-            # rows are in lexicographic order: find the row (low, high), none if there is no side
-            start, stop = np.searchsorted(self._edges.nodes[:, 0], [min(i, j), min(i, j) + 1])
-            row = np.flatnonzero(self._edges.nodes[start:stop, 1] == max(i, j))
-            count = self._edges.n_quad[start + row[0]] if len(row) else 0
+            count = ((i, j) in side_of) + ((j, i) in side_of)
             if count == 0:
                 copies = {n: np.flatnonzero(self.origin == self.origin[n]).tolist() for n in (i, j)}
                 hint = "".join(
@@ -416,7 +417,6 @@ class Mesh:
                 )
         if problems:
             raise error(problems)
-        return line
 
 
 # --- the cut -------------------------------------------------------------------------------------
@@ -426,21 +426,15 @@ def _fans(
     quads: Ints, node: int, around: list[int], cut_edges: set[frozenset[int]], *, first: int
 ) -> Iterator[list[int]]:
     # groups into which the cut sides split the quads around a node, without the group of `first`
-    spokes: dict[int, list[int]] = {}
-    for e in around:
+    spokes: dict[int, list[int]] = {}  # places in `around` by the other end of a side
+    for k, e in enumerate(around):
         a = int(np.flatnonzero(quads[e] == node)[0])
         for other in (int(quads[e, (a + 1) % 4]), int(quads[e, (a + 3) % 4])):
             if frozenset((node, other)) not in cut_edges:
-                spokes.setdefault(other, []).append(e)
-    left = dict.fromkeys([first, *around])
-    while left:
-        fan = [next(iter(left))]
-        left.pop(fan[0])
-        for e in fan:  # the list grows during the loop
-            for sharing in spokes.values():
-                if e in sharing:
-                    fan += [f for f in sharing if f in left]
-                    for f in sharing:
-                        left.pop(f, None)
-        if first not in fan:
-            yield fan
+                spokes.setdefault(other, []).append(k)
+    links = [sharing for sharing in spokes.values() if len(sharing) == 2]
+    one, two = np.array(links, np.int64).reshape(-1, 2).T
+    part = connected_parts(one, two, len(around)).tolist()
+    for group in dict.fromkeys(part):
+        if group != part[around.index(first)]:
+            yield [e for e, its in zip(around, part, strict=True) if its == group]

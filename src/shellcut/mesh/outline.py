@@ -15,24 +15,25 @@ sides around it, but not below s_near.
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import atan2
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, each
-from shellcut.formats.errors import FileError
+from shellcut.arrays import ArrayLike, Bools, Floats, each, product
+from shellcut.files.distribution import optional
+from shellcut.formats.errors import FileError, point_text
 from shellcut.formats.own_process import GmshProcess
 
 from . import outline_process
 from .checks import check_film_size
-from .loops import area_of, not_one_film
 from .mesh import Mesh, MeshError
 
 CORNER_DEG = 30.0
@@ -60,15 +61,15 @@ QuadSize: TypeAlias = Annotated[float, Option("mm", "side length of the quads, a
 @checked
 def mesh_from_outline(
     outline: Annotated[
-        npt.ArrayLike, Option("mm", "vertices in order; the first is not repeated", form="polygon")
+        ArrayLike, Option("mm", "vertices in order; the first is not repeated", form="polygon")
     ],
     *,
     size: QuadSize,
     holes: Annotated[
-        Sequence[npt.ArrayLike], Option("mm", "polygons that are cut out", form="polygons")
+        Sequence[ArrayLike], Option("mm", "polygons that are cut out", form="polygons")
     ] = (),
     near: Annotated[
-        npt.ArrayLike | None,
+        ArrayLike | None,
         Option("mm", "points about which quads are small", unset="none", form="polygon"),
     ] = None,
     size_near: Annotated[
@@ -128,21 +129,19 @@ def mesh_from_outline(
     return Mesh.from_arrays(found["nodes"], found["quads"], node_sets=sets)
 
 
+@dataclass(frozen=True)
 class _Field:
     # sizes of quads that rise with the distance from points
-
-    def __init__(self, size: float, near: list[tuple[Floats, float, float]]) -> None:
-        self._size = size
-        self.near = near
-        """Points, the size there, and how far it holds; none if it is the same everywhere."""
-        self._trees = [scipy.spatial.cKDTree(points) for points, _, _ in near]
+    size: float
+    near: list[tuple[Floats, float, float]]
+    """Points, the size there, and how far it holds; none if it is the same everywhere."""
 
     @classmethod
     def of(
         cls,
         polygons: list[Floats],
         size: float,
-        near: npt.ArrayLike | None,
+        near: ArrayLike | None,
         least: float | None,
         band: float | None,
     ) -> _Field:
@@ -170,10 +169,10 @@ class _Field:
 
     def at(self, points: Floats) -> Floats:
         """Return the size of the quads at points, shape (n,) [mm]."""
-        found = np.full(len(points), self._size)
-        for tree, (_, least, band) in zip(self._trees, self.near, strict=True):
-            rise = _GROWTH * np.maximum(tree.query(points)[0] - band, 0.0)
-            found = np.minimum(found, least + rise)
+        found = np.full(len(points), self.size)
+        for near, least, band in self.near:
+            distance, _ = scipy.spatial.cKDTree(near).query(points)
+            found = np.minimum(found, least + _GROWTH * np.maximum(distance - band, 0.0))
         return found
 
 
@@ -205,7 +204,7 @@ def _check_count(polygons: list[Floats], size: float, field: _Field) -> None:
         )
 
 
-def polygon(vertices: npt.ArrayLike, name: str) -> Floats:
+def polygon(vertices: ArrayLike, name: str) -> Floats:
     """Return the vertices of a loop as an array, shape (n, 2); MeshError by its name."""
     try:
         points = np.array(vertices, dtype=np.float64)
@@ -263,3 +262,73 @@ def _divided(points: Floats, size: float, field: _Field) -> Floats:
     twice = np.concatenate([arc, total + arc[1:]])
     xy = [np.interp(at, twice, np.concatenate([c, c[1:]])) for c in closed.T]
     return np.stack(xy, axis=1)
+
+
+# --- loops ----------------------------------------------------------------------------------------
+
+_NAMED = 4
+
+
+def area_of(polygon: Floats) -> float:
+    """Return the area within a polygon, shape (n, 2)."""
+    x, y = (polygon - polygon[0]).T
+    return 0.5 * abs(float(product(x, np.roll(y, -1)) - product(y, np.roll(x, -1))))
+
+
+def within(points: Floats, polygon: Floats) -> Bools:
+    """Return which points, shape (n, 2), lie in a polygon: odd crossings of a ray along +x."""
+    x, y = points.T[:, :, None]
+    (x1, y1), (x2, y2) = polygon.T, np.roll(polygon, -1, axis=0).T
+    spans = (y1 > y) != (y2 > y)
+    rise = np.where(y1 == y2, 1.0, y2 - y1)
+    crossed = spans & (x < x1 + (y - y1) * (x2 - x1) / rise)
+    return np.asarray(crossed.sum(axis=1) % 2 == 1)
+
+
+def not_one_film(
+    loops: Sequence[Floats], names: Sequence[str], *, outer: int = 0, apart: float = 0.0
+) -> list[str]:
+    """Return why loops are not an outline, that of number ``outer``, with holes inside.
+
+    Loops have names in the sentences; they are ``apart`` at least.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> not_one_film([square, square + 1.0, square + 4.0], ["outline", "hole_1", "hole_2"])
+    ['outline crosses hole_1 at (...)']
+    """
+    shapely = shapely_or_error()
+    polygons = np.array([shapely.Polygon(loop) for loop in loops])
+    problems = []
+    for name, reason in zip(names, shapely.is_valid_reason(polygons), strict=True):
+        if place := re.search(r"\[(\S+) (\S+)\]", reason):
+            how = "touches" if reason.startswith("Ring") else "crosses"
+            problems.append(f"{name} {how} itself at {point_text(np.array(place.groups(), float))}")
+    if problems:
+        return problems[:_NAMED]
+    rings = shapely.get_exterior_ring(polygons)
+    pairs = shapely.STRtree(rings).query(rings, predicate="dwithin", distance=apart)
+    for k, j in pairs.T[pairs[0] < pairs[1]][:_NAMED].tolist():
+        place = shapely.get_coordinates(shapely.shortest_line(rings[k], rings[j]))[0]
+        if shapely.hausdorff_distance(rings[k], rings[j]) <= apart:
+            problems.append(f"{names[k]} is drawn twice")
+            continue
+        how = "crosses" if shapely.overlaps(polygons[k], polygons[j]) else "touches"
+        if how == "touches" and apart:
+            how += f" (or lies within {apart:.2g} mm of)"
+        problems.append(f"{names[k]} {how} {names[j]} at {point_text(place)}")
+    if problems:
+        return problems
+    corners = shapely.points([loop[0] for loop in loops])
+    inner, _ = shapely.STRtree(polygons).query(corners, predicate="within")
+    level = np.bincount(inner, minlength=len(loops))
+    problems = [
+        f"{names[k]} lies outside" for k in np.flatnonzero(level == 0).tolist() if k != outer
+    ]
+    return problems + [f"{names[k]} lies in a hole" for k in np.flatnonzero(level > 1).tolist()]
+
+
+def shapely_or_error() -> Any:
+    """Return the package shapely, part of the extras ``outline`` and ``mesh``."""
+    return optional("shapely", "outlines need shapely, an optional extra", "outline", "mesh")

@@ -12,6 +12,8 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+import numpy as np
+
 _ALGORITHMS = (6, 5, 8)  # frontal-Delaunay, Delaunay, frontal for quads: tried if triangles remain
 _OPTIONS = {
     "General.Terminal": 0,
@@ -31,7 +33,6 @@ step of a run, which differs by half between them."""
 def main(given: str, out: str) -> None:
     """Mesh the loops and write the answer."""
     import gmsh
-    import numpy as np
 
     with np.load(given) as file:
         content = dict(file)
@@ -52,8 +53,6 @@ def main(given: str, out: str) -> None:
 
 def _narrowest(answer: dict[str, Any]) -> float:
     """Return the least area of a quad over its longest side; with triangles less than 0."""
-    import numpy as np
-
     if answer["n_triangle"]:
         return -float(answer["n_triangle"])
     x, y = answer["nodes"][answer["quads"]].transpose(2, 1, 0)
@@ -65,8 +64,6 @@ def _narrowest(answer: dict[str, Any]) -> float:
 def _meshed(
     gmsh: Any, loops: list[Any], content: dict[str, Any], algorithm: int, scale: float
 ) -> dict[str, Any]:
-    import numpy as np
-
     size = float(content["size"])
     gmsh.clear()
     gmsh.option.setNumber("Mesh.Algorithm", algorithm)

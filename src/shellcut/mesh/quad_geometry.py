@@ -29,11 +29,9 @@ class QuadSides:
         head = np.roll(tail, -1, axis=1)
         keys = (np.minimum(tail, head) * n_node + np.maximum(tail, head)).ravel()
         order = np.argsort(keys, kind="stable")
-        keys = keys[order]
+        sides = np.unique(keys[order], return_index=True, return_counts=True)
+        keys, self.start, self.n_quad = sides
         self.quads = ids[order // 4]
-        self.start = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]]))[: len(keys)]
-        self.n_quad = np.diff(np.append(self.start, len(keys))).astype(np.int64)
-        keys = keys[self.start]
         self.nodes = np.stack([keys // n_node, keys % n_node], axis=1)
         self._forward = (tail < head).ravel()[order]  # the side runs from lower to higher id
 
@@ -44,18 +42,16 @@ class QuadSides:
         return self.quads[start], self.quads[start + 1], turning_alike
 
 
-def coincident(X: Floats, nodes: Ints, reach: float | None = None) -> Ints:
-    """Return some nodes that are at one place, or within ``reach``, shape (n, 2).
-
-    Each row is the first of some nodes that are together and one of its others.
-    """
+def first_at_place(X: Floats, nodes: Ints, reach: float | None = None) -> Ints:
+    """Return for every node the first of some nodes at its place, or within ``reach``; itself."""
     points = X[nodes]
     if reach is None:
         reach = _COINCIDENT * float(np.ptp(points if len(points) else X, axis=0).max())
     spot = close_parts(points, reach)
     _, first = np.unique(spot, return_index=True)
-    others = np.delete(np.arange(len(points)), first)
-    return np.stack([nodes[first[spot[others]]], nodes[others]], axis=1)
+    place = np.arange(len(X))
+    place[nodes] = nodes[first[spot]]
+    return place
 
 
 def corner_vectors(X: Floats, quads: Ints, a: int) -> tuple[Floats, Floats]:

@@ -25,10 +25,9 @@ from math import ceil, cos, pi, sin, sqrt
 from typing import Annotated, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats, Ints, each
+from shellcut.arrays import ArrayLike, Floats, Ints, each
 
 from .checks import MOST_QUADS, check_film_size
 from .mesh import Mesh, MeshError
@@ -329,5 +328,5 @@ def _closed(ids: Ints) -> Ints:
     return np.concatenate([ids, ids[:, :1]], axis=1)
 
 
-def _four_sides(ids: Ints) -> dict[str, npt.ArrayLike]:
+def _four_sides(ids: Ints) -> dict[str, ArrayLike]:
     return {"left": ids[:, 0], "right": ids[:, -1], "bottom": ids[0], "top": ids[-1]}

@@ -7,8 +7,8 @@ gets from the file to a kernel.
 May import ``models`` and the layers below.
 """
 
-from .errors import ModelFileError
 from .model import Model
 from .reader import preset_film, read_model, shipped_models
+from .source import ModelFileError
 
 __all__ = ["Model", "ModelFileError", "preset_film", "read_model", "shipped_models"]

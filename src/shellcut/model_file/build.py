@@ -37,11 +37,10 @@ from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
 
-from .errors import ModelFileError, Problem, is_refusal
 from .key import Section
 from .model import Model
 from .section_table import STRIP_BLADE, along_path, by_gmsh
-from .source import KeyPath, titled_path
+from .source import KeyPath, ModelFileError, Problem, is_refusal, titled_path
 
 BUILDERS: dict[str, Callable[..., Case]] = {
     "opening": opening_test,

@@ -34,8 +34,19 @@ from shellcut.material.rate_factor import CowperSymonds, JohnsonCook
 from shellcut.material.shell_material import Layer, ShellMaterial
 from shellcut.unit import conversion
 
-from .forms import FORMS, choice
-from .key import Constructor, Key, Kind, Section, keys_of, kind_of, optional, own_key, table_key
+from .key import (
+    FORMS,
+    Constructor,
+    Key,
+    Kind,
+    Section,
+    choice,
+    keys_of,
+    kind_of,
+    optional,
+    own_key,
+    table_key,
+)
 from .source import Source, loaded
 
 

@@ -1,4 +1,4 @@
-"""A model: the content of a model file, checked and with all defaults filled in."""
+"""A model: the content of a model file, checked and with all defaults filled in, and its text."""
 
 from __future__ import annotations
 
@@ -6,17 +6,24 @@ import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from shellcut.files.distribution import VERSION
 from shellcut.files.regular_file import read_regular
 from shellcut.files.whole_file import write_text
+from shellcut.models import Case
+from shellcut.models.preview import ModelParts
 
-from .key import Section
+from .key import Key, Section, written
 from .source import Source
+from .spelling import in_keys
 
-if TYPE_CHECKING:
-    from shellcut.models import Case
-    from shellcut.models.preview import ModelParts
+FILES = "files"
+"""Section of a ``used.toml`` with the digests of the files that the model reads."""
+
+_HEAD = "#:schema ./shellcut.schema.json\n# sha256 of all below: "
+_COLUMN = 34
+"""Column of the comments, if the value is short enough."""
 
 
 @dataclass(frozen=True)
@@ -74,19 +81,14 @@ class Model:
 
     def run_options(self) -> dict[str, Any]:
         """Return the arguments of :meth:`Case.run` given in ``[output]``."""
-        options: dict[str, Any] = self.sections["output"].arguments()
-        return options
+        return self.sections["output"].arguments()
 
     def write(self, path: str | Path) -> None:
         """Write the model with every default filled in; reading it back gives the same model."""
-        from .writer import model_text
-
         write_text(Path(path), model_text(self))
 
     def words(self, text: str) -> str:
         """Return a message of the library in the words of model files and commands."""
-        from .spelling import in_keys
-
         return in_keys(text, self.source)
 
     def files(self) -> list[str]:
@@ -128,3 +130,65 @@ def digest_of(path: str | Path) -> str:
         return hashlib.sha256(read_regular(path)).hexdigest()
     except OSError:
         return "none"
+
+
+# --- the text, unit and meaning beside each key ---------------------------------------------------
+
+
+def model_text(model: Model) -> str:
+    """Return a model as TOML text; its second line is the digest of the rest."""
+    lines = [
+        f"# shellcut {VERSION}, model {model.head.model}: every default filled in.",
+        "# A key that is commented out is not given. Units: mm, N, s, tonne, MPa.",
+        *_keys(model.head),
+    ]
+    for title, place, section in model.each():
+        lines += ["", _heading(title, place), *_section(section, title)]
+    if files := model.files():
+        lines += ["", f"[{FILES}]", "# SHA-256 of each file that is read"]
+        lines += [f"{written(path)} = {written(digest_of(path))}" for path in files]
+    body = "\n".join(lines) + "\n"
+    return _signed(body)
+
+
+def is_as_written(text: str) -> bool:
+    """Whether a text from :func:`model_text` is unchanged."""
+    return text == _signed(text.split("\n", 2)[-1])
+
+
+def _signed(body: str) -> str:
+    return f"{_HEAD}{hashlib.sha256(body.encode()).hexdigest()}\n{body}"
+
+
+def _section(section: Section, title: str) -> Iterator[str]:
+    if section.kind:
+        yield _commented(f'kind = "{section.kind}"', section.of.doc)
+    yield from _keys(section)
+    for name, place, inner in section.tables():
+        within = f"{title}.{name}"
+        yield ""
+        yield _heading(within, place)
+        yield from _section(inner, within)
+
+
+def _heading(title: str, place: str) -> str:
+    if not place:
+        return f"[{title}]"
+    return _commented(f"[[{title}]]", f"called {title}{place} in --set and messages")
+
+
+def _keys(section: Section) -> Iterator[str]:
+    for name, key in section.of.keys.items():
+        value = section.values[name]
+        if value is None:
+            yield _commented(f"# {name} =", f"{_meaning(key)} (not given: {key.option.unset})")
+        elif not key.kinds:
+            yield _commented(f"{name} = {written(value)}", _meaning(key))
+
+
+def _meaning(key: Key) -> str:
+    return f"[{key.option.unit}] {key.option.text}" if key.option.unit else key.option.text
+
+
+def _commented(text: str, comment: str) -> str:
+    return f"{text.ljust(_COLUMN)}  # {comment}"

@@ -14,11 +14,10 @@ from typing import Any
 
 from shellcut.arguments import guess, listed
 
-from .errors import ModelFileError, Problem
 from .key import kind_of
 from .material_keys import filled_in, named_material
 from .section_table import ENTRY, HEAD, LISTS, SECTIONS, Kinds, titled
-from .source import KeyPath, Source, beyond_all, titled_path
+from .source import KeyPath, ModelFileError, Problem, Source, beyond_all, titled_path
 
 _LONGEST_PLACE = 80  # characters of a setting in a message
 _IN_BRACKETS = re.compile(r"\[\s*([^\[\]]*?)\s*\]")

@@ -16,18 +16,14 @@ from shellcut.files.regular_file import read_regular
 from shellcut.files.text_content import in_one_form
 from shellcut.material.shell_material import ShellMaterial
 
-from .errors import ModelFileError, Problem, is_refusal
 from .key import REQUIRED, Key, Kind, Section, kind_of
 from .material_keys import named_material, presets, with_presets
-from .model import Model
+from .model import FILES, Model
 from .overrides import overridden
 from .section_table import GONE, HEAD, LISTS, OF_OUTLINES, SECTIONS, Kinds
-from .source import KeyPath, Source, parse, titled_path
+from .source import KeyPath, ModelFileError, Problem, Source, is_refusal, parse, titled_path
 
 _log = logging.getLogger(__name__)
-
-FILES = "files"
-"""Section of a ``used.toml`` with the digests of the files that the model reads."""
 
 _LARGEST = 10_000_000  # bytes of a model file; the shipped ones have a few thousand
 
@@ -72,7 +68,7 @@ def read_model(
 
 
 def model_of_text(text: str, name: str) -> Model:
-    """Return the model of a text from :func:`.writer.model_text`, whose paths are absolute.
+    """Return the model of a text from :func:`.model.model_text`, whose paths are absolute.
 
     ``name`` is used for the file in a ModelFileError.
     """
@@ -162,7 +158,8 @@ def read_source(path: str | os.PathLike[str]) -> Source:
 
 
 def _source(name_or_path: str | os.PathLike[str]) -> Source:
-    if _is_there(Path(name_or_path)):
+    # not of a name that is too long for the system, or of a folder with a model's name
+    if os.path.exists(name_or_path) and not os.path.isdir(name_or_path):
         return read_source(name_or_path)
     shipped = shipped_models()
     if str(name_or_path) in shipped:
@@ -170,14 +167,6 @@ def _source(name_or_path: str | os.PathLike[str]) -> Source:
         return replace(source, lines={})  # of no file that a user has
     text = f"no such file; the models by name are {', '.join(shipped)}"
     raise ModelFileError([Problem(str(name_or_path), text + guess(str(name_or_path), shipped))])
-
-
-def _is_there(path: Path) -> bool:
-    """Whether a path may be meant as a file; a folder with a model's name is not."""
-    try:
-        return path.exists() and not path.is_dir()
-    except (OSError, ValueError):  # a name too long for the system, or with a zero byte
-        return False
 
 
 class _Reading:
@@ -266,7 +255,8 @@ class _Reading:
                 continue
             name = aliases.get(given, given)
             if name not in keys:
-                self.unknown_key(given, cls, kinds, table, path, model)
+                why = _why_unknown(given, cls, kinds, table, path, model)
+                self.say((*path, given), why)
             elif name in values:
                 self.say((*path, given), f"{title}{given} repeats {name}: leave one out")
             else:
@@ -299,40 +289,6 @@ class _Reading:
             return None
         return kinds[0]
 
-    def unknown_key(
-        self, name: str, cls: Kind, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
-    ) -> None:
-        place, shown = (*path, name), f"{_shown(path)}{name}"
-        owner = ".".join(part for part in path if isinstance(part, str))
-        if gone := GONE.get((owner, name)):
-            self.say(place, f"unknown key {shown}; {gone}")
-            return
-        for kind in kinds:
-            if kind is not cls and name in kind.names():
-                chosen = f'kind = "{cls.name}"' if cls.name else "this one"
-                theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
-                text = OF_OUTLINES.get((cls.name, name), "")
-                if not text:
-                    text = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
-                if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
-                    other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
-                    fits = set(kind.names()) - {"kind"}
-                    rest = ", ".join(other_key for other_key in table if other_key not in fits)
-                    text = f"{shown} and {other} exclude each other: leave out {name}, or {rest}"
-                self.say(place, text)
-                return
-        owners = [
-            title
-            for title, others in SECTIONS.get(model, {}).items()
-            if title != (path[0] if path else "") and any(name in k.names() for k in others)
-        ]
-        hint = guess(name, cls.names())
-        if name in _ENDINGS and any("file" in kind.keys for kind in kinds):
-            hint = "; did you mean file?"
-        if not hint and owners:
-            hint = f"; there is [{owners[0]}].{name}"
-        self.say(place, f"unknown key {shown}{hint or listed(cls.names())}")
-
     def value(self, key: Key, value: Any, path: KeyPath, shown: str) -> Any:
         try:
             read = key.read(value)
@@ -341,8 +297,9 @@ class _Reading:
             self.say(path, f"{shown} {problem}{instead and f'; {instead}'}")
             return None
         if key.is_several:
-            each = enumerate(read)
-            return tuple(self.section(key.kinds, entry, (*path, n), "") for n, entry in each)
+            return tuple(
+                self.section(key.kinds, entry, (*path, n), "") for n, entry in enumerate(read)
+            )
         if key.kinds:
             return self.section(key.kinds, read, path, "")
         if not key.is_file:
@@ -379,6 +336,35 @@ class _Reading:
                 keys = made.of.keys.items()
                 named = [n for word in words for n, key in keys if word in (n, key.parameter)]
                 self.say((*path, *named[:1]), f"{_shown(path)[:-1]}: {reason}")
+
+
+def _why_unknown(
+    name: str, cls: Kind, kinds: Kinds, table: dict[str, Any], path: KeyPath, model: str
+) -> str:
+    """Return what is wrong with a key that a kind of section does not have."""
+    shown = f"{_shown(path)}{name}"
+    section = ".".join(part for part in path if isinstance(part, str))
+    if gone := GONE.get((section, name)):
+        return f"unknown key {shown}; {gone}"
+    for kind in kinds:
+        if kind is cls or name not in kind.names():
+            continue
+        chosen = f'kind = "{cls.name}"' if cls.name else "this one"
+        if name in (kind.sign, kind.also_sign) and {cls.sign, "kind"} & set(table):
+            other = f"{_shown(path)}{cls.sign}" if cls.sign in table else chosen
+            fits = set(kind.names()) - {"kind"}
+            rest = ", ".join(other_key for other_key in table if other_key not in fits)
+            return f"{shown} and {other} exclude each other: leave out {name}, or {rest}"
+        theirs = f'kind = "{kind.name}"' if kind.name else f"one with {kind.sign}"
+        belongs = f"key {shown} belongs to {theirs}, not to {chosen}: leave it out"
+        return OF_OUTLINES.get((cls.name, name), belongs)
+    hint = guess(name, cls.names())
+    if name in _ENDINGS and any("file" in kind.keys for kind in kinds):
+        hint = "; did you mean file?"
+    for title, others in SECTIONS.get(model, {}).items():
+        if (title,) != path[:1] and any(name in kind.names() for kind in others):
+            hint = hint or f"; there is [{title}].{name}"
+    return f"unknown key {shown}{hint or listed(cls.names())}"
 
 
 def _line(problem: Problem) -> int:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .forms import NUMBER
-from .key import REQUIRED, Key, Kind
+from .key import NUMBER, REQUIRED, Key, Kind
 from .key_index import tables
 from .material_keys import preset_names
 from .quantity import pattern
@@ -30,7 +29,7 @@ def schema() -> dict[str, Any]:
     --------
     >>> opening = schema()["allOf"][0]["then"]["properties"]
     >>> opening["tool"]["then"]["properties"]["radius"]["description"]
-    '[mm] of the cutting circle'
+    '[mm] radius of the cutting circle'
     """
     return {
         "$schema": DRAFT,

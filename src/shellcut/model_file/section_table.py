@@ -52,8 +52,7 @@ from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 from shellcut.tool.tool_file import read_tool
 
-from .forms import FORMS, choice
-from .key import Constructor, Kind, Section, keys_of, optional, own_key
+from .key import FORMS, Constructor, Kind, Section, choice, keys_of, optional, own_key
 from .material_keys import HOMOGENEOUS, LAMINATE, MOVED
 
 Kinds = tuple[Kind, ...]

@@ -1,4 +1,4 @@
-"""A case: a simulation and the end time of its run."""
+"""A case, a simulation and the end time of its run, and the options that models hand on to it."""
 
 from __future__ import annotations
 
@@ -7,24 +7,55 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, TypedDict, TypeVar
 
 from shellcut.arguments import Option
+from shellcut.arrays import Floats
 from shellcut.checks import ModelCheck, check_model
+from shellcut.contact.settings import Contact
 from shellcut.files.run_folder import USED
+from shellcut.fracture.options import Fracture
+from shellcut.loads.adhesion import Adhesion
+from shellcut.loads.loads import Load
+from shellcut.loads.supports import Support
 from shellcut.recording.recorder import Recorder, RunEnded
 from shellcut.recording.run_options import RunArguments
 from shellcut.signals import Interruption
 from shellcut.simulation.hooks import Hook, StopWhen
 from shellcut.simulation.simulation import Simulation
-
-from .options import CutOptions, ModelOptions
+from shellcut.simulation.stable_step import Stepping
+from shellcut.tool.force_term import ForceTerm
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 _MOST_STEPS = 1e11
 """Steps of the longest run allowed: two months with the smallest film."""
+
+
+class ModelOptions(TypedDict, total=False):
+    """Arguments of :class:`Simulation` that no model sets itself, for type checkers."""
+
+    loads: Sequence[Load]
+    contact: Contact | None
+    fracture: Fracture | None
+    stepping: Stepping | None
+    directional: bool
+    damping_alpha: float
+    damping_beta: float | None
+    damping_share: float | None
+    velocity: Floats | None
+    terms: Sequence[ForceTerm | Adhesion]
+    quasi_static: float | None
+    imperfection: int | None
+    threads: int | None
+
+
+class CutOptions(ModelOptions, total=False):
+    """Those of a cut, which may have supports besides its clamp."""
+
+    supports: Sequence[Support]
+
 
 _Options = TypeVar("_Options", ModelOptions, CutOptions, dict[str, Any])
 

@@ -22,8 +22,7 @@ from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
 from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
-from .case import Case, Clamp, Notch
-from .options import CutOptions
+from .case import Case, Clamp, CutOptions, Notch
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

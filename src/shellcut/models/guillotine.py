@@ -27,9 +27,8 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import straight_blade
 from shellcut.tool.tool import Tool
 
-from .case import PAPER_DAMPING, Case, Clamp, Notch, damped_by, time_of_travel
+from .case import PAPER_DAMPING, Case, Clamp, CutOptions, Notch, damped_by, time_of_travel
 from .free_cut import free_cut, with_path
-from .options import CutOptions
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

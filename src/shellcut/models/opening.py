@@ -20,9 +20,8 @@ from shellcut.tool.motion import Pitch, ScrewMotion
 from shellcut.tool.shapes import tooth_ring
 from shellcut.tool.tool import Tool
 
-from .case import PAPER_DAMPING, Case, Clamp, damped_by
+from .case import PAPER_DAMPING, Case, Clamp, CutOptions, damped_by
 from .free_cut import free_cut
-from .options import CutOptions
 from .path_film import film_along_path
 
 if TYPE_CHECKING:

@@ -26,8 +26,7 @@ from shellcut.tool.motion import StraightMotion
 from shellcut.tool.shapes import Diameter, Tilt, round_bar
 from shellcut.tool.tool import Tool
 
-from .case import Case, damped_by, time_of_travel
-from .options import ModelOptions
+from .case import Case, ModelOptions, damped_by, time_of_travel
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

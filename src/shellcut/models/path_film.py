@@ -7,18 +7,16 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
 from shellcut.arguments import Option, checked
-from shellcut.arrays import Floats
+from shellcut.arrays import ArrayLike, Floats
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
 from shellcut.checks.path import side_needed
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.puncture import bending_length
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.mesh.loops import shapely_or_error
 from shellcut.mesh.mesh import Mesh, MeshError
-from shellcut.mesh.outline import mesh_from_outline, polygon
+from shellcut.mesh.outline import mesh_from_outline, polygon, shapely_or_error
 from shellcut.mesh.structured import circle, rectangle
 from shellcut.tool.motion import Motion
 from shellcut.tool.tool import Tool
@@ -40,7 +38,7 @@ _SEARCHED = 100  # quads along the film in which the path is looked for, at most
 @checked
 def film_along_path(
     outline: Annotated[
-        npt.ArrayLike, Option("mm", "vertices in order, or the radius of a disc", form="polygon")
+        ArrayLike, Option("mm", "vertices in order, or the radius of a disc", form="polygon")
     ],
     *,
     tool: Tool | Sequence[Tool],
@@ -64,9 +62,7 @@ def film_along_path(
             unset="8 times size_at_path",
         ),
     ] = None,
-    holes: Annotated[
-        Sequence[npt.ArrayLike], Option("mm", "polygons inside", form="polygons")
-    ] = (),
+    holes: Annotated[Sequence[ArrayLike], Option("mm", "polygons inside", form="polygons")] = (),
     material: ShellMaterial | None = None,
     law: CohesiveTable | None = None,
 ) -> Mesh:

@@ -19,8 +19,7 @@ from shellcut.mesh.outline import QuadSize
 from shellcut.mesh.structured import rectangle
 from shellcut.simulation.simulation import Simulation
 
-from .case import PAPER_DAMPING, Case, damped_by, time_of_travel
-from .options import ModelOptions
+from .case import PAPER_DAMPING, Case, ModelOptions, damped_by, time_of_travel
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

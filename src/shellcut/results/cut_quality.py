@@ -20,7 +20,7 @@ import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, angles, unit
 from shellcut.frame import Frame, is_corner
-from shellcut.mesh.loops import within
+from shellcut.mesh.outline import within
 from shellcut.mesh.quad_geometry import quad_vectors
 from shellcut.numerics.connected_parts import connected_parts
 

@@ -30,12 +30,12 @@ from shellcut.results.steady_window import half_width_of
 from shellcut.results.summary_figures import known_figure
 from shellcut.view import can_draw, draw_curves
 
-from .common_window import NOT_COMMON
 from .engines import AnyExecutor, Say, engine_of
 from .one_run import Outcome
 from .plan import FEW_FILES, Definition
 from .report.studied import of_interest
 from .study import run_study
+from .table import NOT_COMMON
 
 _RATIO, _SLOWER = 1.5, 2.0
 

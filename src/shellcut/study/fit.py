@@ -23,8 +23,7 @@ from shellcut.recording.resistance import resistance_of
 from .curve_misfit import FitCurve, read_curves
 from .engines import AnyExecutor, Say, engine_of
 from .fit_result import FIT, PICTURE, FitResult, result_of
-from .fit_runs import Done, FitRuns, OutOfRuns
-from .free_parameters import FreeParameters
+from .fit_runs import Done, FitRuns, FreeParameters, OutOfRuns
 from .plan import sought
 from .study import run_values, taken
 

@@ -35,13 +35,13 @@ from shellcut.results.summary_figures import (
 )
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
-from .common_window import NOT_COMMON, CommonWindow
 from .converge import NoFinerFilm, finer_film
 from .engines import AnyExecutor, Say, engine_of
 from .factors import Factor
 from .one_run import Outcome, outcome_in
 from .plan import PlannedRun, sought
 from .study import run_values, taken
+from .table import NOT_COMMON, CommonWindow
 
 OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 

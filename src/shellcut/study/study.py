@@ -15,21 +15,19 @@ from shellcut.files.file_list import claim, folder_named
 from shellcut.files.folder_lock import FolderLock
 from shellcut.files.whole_file import exclusive
 from shellcut.model_file.key_index import with_values
+from shellcut.model_file.model import model_text
 from shellcut.model_file.reader import ModelVariants
-from shellcut.model_file.writer import model_text
 from shellcut.models.warmup import warmup
 from shellcut.results.summary_figures import key_figures
 from shellcut.signals import Interruption
 from shellcut.view.progress import duration
 
-from .common_window import CommonWindow
-from .design import Design
 from .engines import AnyExecutor, Engine, Say, engine_of
+from .factors import Design
 from .one_run import STOP, Outcome, Task, outcome_in
-from .plan import FEW_FILES, Definition, Plan, PlannedRun, planned_runs
+from .plan import FEW_FILES, STUDY, Definition, Plan, PlannedRun, planned_runs, write_study
 from .report.studied import of_interest
-from .study_file import STUDY, write_study
-from .table import TABLE, columns_of, write_table
+from .table import TABLE, CommonWindow, columns_of, write_table
 
 _TABLE_EVERY = 10.0
 """Wall time between two tables during a study [s]."""

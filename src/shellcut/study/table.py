@@ -1,23 +1,90 @@
-"""The table of a study: inputs and values of every run, in the order of the design."""
+"""The table of a study: inputs and values of every run, means over their common steady window."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 from shellcut.files.whole_file import write_text
+from shellcut.results.run_results import history_in
+from shellcut.results.steady_window import Range, SteadyWindow, steady_figures
 from shellcut.results.summary_figures import LABELS
 
-from .common_window import NOT_COMMON
 from .one_run import Outcome
 from .plan import Plan, PlannedRun
+
+NOT_COMMON = "no_common_window"
+"""Figure that says why a mean is over the run's own window."""
 
 TABLE = "table.csv"
 
 _OF_THE_MACHINE = ("wall_s", "ns_per_quad_step")
 """Figures that differ from run to run of the same inputs."""
+
+
+class CommonWindow:
+    """Bring the means of runs to their common window; what was read of a run is kept.
+
+    ``folder_of`` takes the number of a run.
+    """
+
+    def __init__(self, folder_of: Callable[[int], Path]) -> None:
+        self._folder_of = folder_of
+        self._figures = cache(self._read)
+
+    def __call__(self, outcomes: Mapping[int, Outcome]) -> dict[int, Outcome]:
+        """Return the outcomes of some runs with their means over the window that all have.
+
+        A run without a window of its own has no part in it. Where they have none in common, or some
+        are not steady in it, each keeps the means over its own, and :data:`NOT_COMMON` says why.
+        """
+        common = dict(outcomes)
+        for unit in ("deg", "mm"):
+            first, last = f"window_from_{unit}", f"window_to_{unit}"
+            own = {
+                number: (one.figures[first], one.figures[last])
+                for number, one in outcomes.items()
+                if {first, last} <= one.figures.keys()
+            }
+            if len(set(own.values())) < 2:
+                continue
+            between = max(low for low, _ in own.values()), min(high for _, high in own.values())
+            found, why = self._means(list(own), between, unit)
+            for number, ends in own.items():
+                figures = found.get(number)
+                if figures is None:
+                    own_window = SteadyWindow(*ends).text(unit)
+                    said = f"the mean is over its own window, {own_window}: {why}"
+                    figures = {NOT_COMMON: said}
+                figures = {**outcomes[number].figures, **figures}
+                common[number] = replace(outcomes[number], figures=figures)
+        return common
+
+    def _means(
+        self, runs: list[int], between: Range, unit: str
+    ) -> tuple[dict[int, dict[str, Any]], str]:
+        """Return the values of all runs in their common window, or none of them and why."""
+        if between[0] >= between[1]:
+            return {}, "the runs have none in common"
+        found = {}
+        for number in runs:
+            found[number] = self._figures(number, between)
+            if why := found[number].get("no_window"):
+                common = SteadyWindow(*between).text(unit)
+                return {}, f"in that of all runs, {common}, run {number} has none, {why}"
+        return found, ""
+
+    def _read(self, number: int, between: Range) -> dict[str, Any]:
+        history, units = history_in(self._folder_of(number))
+        if not history:
+            return {"no_window": "its history is missing"}
+        _, x, resistance, *_ = history
+        return steady_figures(history, (x, units[x]), (resistance, units[resistance]), between)
 
 
 def columns_of(plan: Plan, outcomes: Mapping[int, Outcome]) -> tuple[list[str], list[str]]:

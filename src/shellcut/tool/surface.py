@@ -7,10 +7,10 @@ surface is convex: the exterior angle. A wedge of half-angle a turns by 180° - 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from math import degrees, radians
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, product, unit
@@ -186,7 +186,7 @@ class Surface:
             problems.append(f"{key.size - np.unique(key).size} of the given cutting edges repeat")
         return problems
 
-    def _rows(self, segments: Ints) -> tuple[Ints, npt.NDArray[np.bool_]]:
+    def _rows(self, segments: Ints) -> tuple[Ints, Bools]:
         ordered = np.sort(segments, axis=1)
         key = ordered[:, 0] * self.vertices.shape[0] + ordered[:, 1]
         row = np.minimum(np.searchsorted(self.keys, key), self.keys.size - 1)
@@ -321,13 +321,11 @@ def normals_and_heights(vertices: Floats, triangles: Ints) -> tuple[Floats, Floa
 def six_volumes(vertices: Floats, triangles: Ints) -> Floats:
     """Return six times the signed volume between each triangle and the mean vertex."""
     a, b, c = (vertices[triangles[:, k]] - vertices.mean(axis=0) for k in range(3))
-    volumes: Floats = np.einsum("ij,ij->i", a, np.cross(b, c))
-    return volumes
+    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)))
 
 
 def _next_corner(half_edges: Ints) -> Ints:
-    corners: Ints = half_edges + 1 - 3 * (half_edges % 3 == 2)
-    return corners
+    return np.asarray(half_edges + 1 - 3 * (half_edges % 3 == 2))
 
 
 def chains_of(segments: Ints) -> tuple[Ints, Ints]:
@@ -337,40 +335,31 @@ def chains_of(segments: Ints) -> tuple[Ints, Ints]:
     its first segment; chains are numbered in the order of these.
     """
     at_vertex: dict[int, list[int]] = {}
-    for e, (i, j) in enumerate(segments.tolist()):
-        at_vertex.setdefault(i, []).append(e)
-        at_vertex.setdefault(j, []).append(e)
+    for e, ends in enumerate(segments.tolist()):
+        for vertex in ends:
+            at_vertex.setdefault(vertex, []).append(e)
+    left = set(range(len(segments)))  # in no chain yet
 
-    done = np.zeros(len(segments), dtype=bool)
-
-    def walk(e: int, vertex: int) -> list[tuple[int, int]]:
-        # the segments that continue e from a vertex on, each from the end that is met first
-        links: list[tuple[int, int]] = []
-        while len(meeting := at_vertex[vertex]) == 2:
-            e = meeting[0] if meeting[1] == e else meeting[1]
-            if done[e]:
-                break
-            done[e] = True
+    def walk(vertex: int) -> Iterator[tuple[int, int]]:
+        # the segments that continue a chain from a vertex on, each from the end that is met first
+        while len(at_vertex[vertex]) == 2 and (following := left.intersection(at_vertex[vertex])):
+            left.difference_update(following)
+            (e,) = following  # the other one is in the chain
             i, j = segments[e].tolist()
-            links.append((vertex, j if i == vertex else i))
-            vertex = links[-1][1]
-        return links
+            far = j if i == vertex else i
+            yield vertex, far
+            vertex = far
 
-    ordered: list[tuple[int, int]] = []
-    chain: list[int] = []
-    n_chain = 0
-    for seed in range(len(segments)):
-        if done[seed]:
-            continue
-        done[seed] = True
-        tail, head = segments[seed].tolist()
-        after = walk(seed, head)
-        before = [(far, near) for near, far in walk(seed, tail)]
-        links = [*before[::-1], (tail, head), *after]
-        ordered += links
-        chain += [n_chain] * len(links)
-        n_chain += 1
-    return np.array(ordered, dtype=np.int64).reshape(-1, 2), np.array(chain, dtype=np.int64)
+    chains: list[list[tuple[int, int]]] = []
+    for seed, (tail, head) in enumerate(segments.tolist()):
+        if seed in left:
+            left.remove(seed)
+            after = list(walk(head))
+            before = [(far, near) for near, far in walk(tail)]
+            chains.append([*before[::-1], (tail, head), *after])
+    ordered = [link for links in chains for link in links]
+    number = [k for k, links in enumerate(chains) for _ in links]
+    return np.array(ordered, dtype=np.int64).reshape(-1, 2), np.array(number, dtype=np.int64)
 
 
 def rows_of(chain: Ints) -> list[Ints]:

@@ -143,8 +143,8 @@ def _turn(done: Repaired) -> None:
 
 def closed_seams(
     vertices: Floats, triangles: Ints, *, merge: float, reach: float
-) -> tuple[Floats, Ints, int]:
-    """Return the surface with vertices of either side in both sides of each seam, and how many.
+) -> tuple[Floats, Ints]:
+    """Return the surface with vertices of either side in both sides of each seam.
 
     Vertices closer than ``merge`` become one, those farther than ``reach`` from an edge are not put
     into it [mm].
@@ -152,26 +152,24 @@ def closed_seams(
     vertices, triangles, _ = merge_vertices(vertices, triangles, None, merge)
     collapsed = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     triangles = triangles[~collapsed]
-    n_put = 0
     for _ in range(_MOST_ROUNDS):
-        triangles, n = _round(vertices, triangles, reach)
-        n_put += n
-        if not n:
+        n_before = len(triangles)
+        triangles = _round(vertices, triangles, reach)
+        if len(triangles) == n_before:
             break
-    return vertices, triangles, n_put
+    return vertices, triangles
 
 
-def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
+def _round(vertices: Floats, triangles: Ints, reach: float) -> Ints:
     sides = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
     key = product(np.sort(sides, axis=1), np.array([len(vertices), 1]))
     _, first, uses = np.unique(key, return_index=True, return_counts=True)
     alone = first[uses == 1]
     if not len(alone):
-        return triangles, 0
+        return triangles
     border = np.unique(sides[alone])
     tree = scipy.spatial.cKDTree(vertices[border])
     fans: dict[int, list[list[int]]] = {}
-    n_put = 0
     for side in alone.tolist():
         t, corner = side % len(triangles), side // len(triangles)
         if t in fans:
@@ -183,11 +181,10 @@ def _round(vertices: Floats, triangles: Ints, reach: float) -> tuple[Ints, int]:
         if between:
             row = [a, *between, b]
             fans[t] = [[p, q, c] for p, q in pairwise(row)]
-            n_put += len(between)
     kept = np.ones(len(triangles), dtype=bool)
     kept[list(fans)] = False
     new = np.array([row for rows in fans.values() for row in rows], dtype=np.int64)
-    return np.concatenate([triangles[kept], new.reshape(-1, 3)]), n_put
+    return np.concatenate([triangles[kept], new.reshape(-1, 3)])
 
 
 def _between(vertices: Floats, a: int, b: int, candidates: list[int], reach: float) -> list[int]:

@@ -135,7 +135,7 @@ def read_tool(
         if file.chord_deviation is not None:
             reach = factor * file.chord_deviation
             merge = _WELD * reach if merge is None else merge
-            vertices, triangles, _ = closed_seams(vertices, triangles, merge=merge, reach=reach)
+            vertices, triangles = closed_seams(vertices, triangles, merge=merge, reach=reach)
         done = repaired(vertices, triangles, tolerance=merge)
     for said in [*file.notes, *([note] if note else []), *done.notes]:
         _log.warning("%s: %s", path, said)

@@ -3,7 +3,6 @@
 It reads the table and the histories, so it shows a study that is still running, too.
 """
 
-from .found import report_found
-from .report import report_study
+from .report import report_found, report_study
 
 __all__ = ["report_found", "report_study"]

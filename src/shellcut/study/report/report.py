@@ -1,7 +1,8 @@
-"""The report of a study: its sections, and those of words and tables themselves."""
+"""The report of a study, of a fit or of a search: its sections, those of words and tables here."""
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterator
 from html import escape
@@ -9,13 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
+from shellcut.card import image
+from shellcut.files.distribution import pip_install
 from shellcut.files.file_list import target
+from shellcut.files.regular_file import read_regular
 from shellcut.report.error_bars import error_bars
 from shellcut.report.markup import link_to, missing, sentences
 from shellcut.report.page import made, versions, write_page
 from shellcut.results.error_bars import ERROR_BARS, read_error_bars
 from shellcut.scene_page.page import part
-from shellcut.study.study_file import STUDY
+from shellcut.study.plan import RUNS, STUDY
 from shellcut.study.table import TABLE
 from shellcut.unit import in_unit
 
@@ -209,3 +213,37 @@ def _what_was_run(study: Study) -> str:
         f"<code>shellcut sweep</code> makes the same runs:</p><details open><summary>{STUDY}"
         f"</summary><pre>{escape(text)}</pre></details>"
     )
+
+
+# --- a fit, a search ------------------------------------------------------------------------------
+
+
+def report_found(file: Path, path: str | os.PathLike[str] | None = None) -> Path:
+    """Write a page about a fit or a search, by its ``fit.json`` or ``optimum.json``; return it.
+
+    By default it is ``report.html`` beside. ValueError if the file is none of these.
+    """
+    folder = file.parent
+    out = target(path, folder / "report.html")
+    content = read_regular(file).decode()
+    try:
+        said = json.loads(content)["said"]
+    except (ValueError, KeyError, TypeError):
+        raise ValueError(
+            f"{file} is not as shellcut writes it: call fit or optimise again"
+        ) from None
+    picture, runs = file.with_suffix(".png"), escape(link_to(folder / RUNS, out))
+    curves = missing(f"Not drawn: pictures need Matplotlib ({pip_install('plot')}).")
+    if picture.is_file():
+        curves = f"<figure>{image(picture.read_bytes(), 'Curves of the runs')}</figure>"
+    sections = {
+        "What was found": f"<pre>{escape(said)}</pre>",
+        "Curves": curves,
+        "Runs": f'<p>The folders of the runs are in <a href="{runs}/">{RUNS}</a>.</p>'
+        f"<details><summary>{file.name}</summary><pre>{escape(content)}</pre></details>",
+        "Versions": versions(),
+    }
+    name = folder.resolve().name
+    lead = f"Report of {file.resolve()}."
+    write_page(out, kind="search", name=name, lead=lead, sections=sections)
+    return out

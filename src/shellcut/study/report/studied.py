@@ -14,8 +14,7 @@ from shellcut.model_file.key_index import unit_of_key
 from shellcut.model_file.quantity import quantity
 from shellcut.results.summary_figures import label_of, unit_of
 from shellcut.study.factors import Factor, factors_of
-from shellcut.study.plan import RUNS, Definition
-from shellcut.study.study_file import STUDY, read_study
+from shellcut.study.plan import RUNS, STUDY, Definition, read_study
 from shellcut.study.table import TABLE
 from shellcut.unit import after, shown
 

@@ -1,24 +1,74 @@
-"""Arguments that several commands have."""
+"""What several commands share: exit codes, refusals, arguments."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin
+from typing import Any, TypeAlias, TypeVar, get_args, get_origin
 
 from shellcut.arguments import declared
 from shellcut.files.distribution import optional
-from shellcut.model_file.errors import ModelFileError, Problem
-from shellcut.model_file.source import parse_value
+from shellcut.model_file.source import ModelFileError, Problem, parse_value
 from shellcut.model_file.spelling import in_keys
+from shellcut.numerics.threads import available_cores
+from shellcut.signals import INTERRUPTED
 from shellcut.unit import showing
 
-from .exit_code import DONE, FAILED
-
 T = TypeVar("T")
+Parser: TypeAlias = argparse.ArgumentParser
+Arguments: TypeAlias = argparse.Namespace
+
+# --- exit codes -----------------------------------------------------------------------------------
+
+DONE, BUG, BAD_INPUT, STOPPED, FAILED = 0, 1, 2, 3, 4
+
+MEANINGS = {
+    DONE: "done",
+    BUG: "an error of shellcut itself, with a traceback; please report it",
+    BAD_INPUT: "nothing was run: an argument, model, file or folder is wrong, or another run uses "
+    "the folder. Standard error says `refused:` with the reason; for a model it lists everything "
+    "that is wrong",
+    STOPPED: "a guard stopped the run because its numbers were no longer right; the output so far "
+    "is saved",
+    FAILED: "the run failed: disk full, folder gone, an error in a hook. The output is "
+    "saved as far as possible; remove the cause (such as a full disk), then `shellcut resume`. Or "
+    "runs of a study failed, no run of a search keeps its limits, or `verify` found a difference",
+    INTERRUPTED: "interrupted by Ctrl-C; `shellcut resume` continues. After SIGTERM the same "
+    "happens, but a shell reports 143",
+}
+"""Meaning of each exit code."""
+
+
+def in_lines() -> str:
+    """Return all codes with their meanings, formatted for a terminal."""
+    lines = ["exit codes:"]
+    for code, meaning in MEANINGS.items():
+        lines += textwrap.wrap(
+            meaning, 79, initial_indent=f"  {code:>3}  ", subsequent_indent=" " * 7
+        )
+    return "\n".join(lines)
+
+
+def refused(problem: object) -> str:
+    """Return the message on wrong input: a line, or one for each of its problems."""
+    text = str(problem)
+    if isinstance(problem, OSError) and problem.filename and problem.strerror:
+        text = f"{problem.filename}: {problem.strerror}"
+    text = in_keys(text)
+    return f"refused:\n{text}" if "\n" in text else f"refused: {text}"
+
+
+def refuse(problem: object) -> int:
+    """Print the problem with the input on standard error; return its exit code."""
+    print(refused(problem), file=sys.stderr)
+    return BAD_INPUT
+
+
+# --- arguments ------------------------------------------------------------------------------------
 
 
 def named(text: str) -> Path:
@@ -28,7 +78,7 @@ def named(text: str) -> Path:
     return Path(text)
 
 
-def add_settings_to(parser: argparse.ArgumentParser, more: str = "") -> None:
+def add_settings_to(parser: Parser, more: str = "") -> None:
     """Add ``--set``, and say what more it can do than set a key."""
     parser.add_argument(
         "--set",
@@ -58,14 +108,14 @@ def keys_with_values(
     return {key.strip(): read(value.strip()) for key, _, value in split}
 
 
-def add_verbose_to(parser: argparse.ArgumentParser) -> None:
+def add_verbose_to(parser: Parser) -> None:
     """Add ``--verbose``."""
     parser.add_argument(
         "--verbose", action="store_true", help="list the checks that passed, too, at the end"
     )
 
 
-def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **flags: str) -> None:
+def add_options(parser: Parser, owner: Callable[..., Any], **flags: str) -> None:
     """Add arguments of a class, by the names of its parameters: type, choices, default, help."""
     for name, flag in flags.items():
         kind, option, default = declared(owner)[name]
@@ -85,14 +135,14 @@ def add_options(parser: argparse.ArgumentParser, owner: Callable[..., Any], **fl
         parser.add_argument(flag, help=f"{option.text}{unless}", **given)
 
 
-def made_of(arguments: argparse.Namespace, owner: Callable[..., T]) -> T:
+def made_of(arguments: Arguments, owner: Callable[..., T]) -> T:
     """Return the class called with the arguments that are given."""
     own = f"{owner.__name__}."
     given = {n.removeprefix(own): v for n, v in vars(arguments).items() if n.startswith(own)}
     return owner(**{name: v for name, v in given.items() if v is not None})
 
 
-def add_shown_in_to(parser: argparse.ArgumentParser) -> None:
+def add_shown_in_to(parser: Parser) -> None:
     """Add ``--shown-in``."""
     parser.add_argument(
         "--shown-in",
@@ -112,7 +162,7 @@ def _units(text: str) -> str:
         raise argparse.ArgumentTypeError(str(problem)) from None
 
 
-def add_engine_to(parser: argparse.ArgumentParser) -> None:
+def add_engine_to(parser: Parser) -> None:
     """Add ``--jobs`` and ``--dask``."""
     engine = parser.add_mutually_exclusive_group()
     engine.add_argument("--jobs", metavar="N", type=int, help="processes, by default one per core")
@@ -124,7 +174,7 @@ def add_engine_to(parser: argparse.ArgumentParser) -> None:
 
 
 def print_found(
-    arguments: argparse.Namespace,
+    arguments: Arguments,
     find: Callable[[Any], T],
     where: str,
     is_found: Callable[[T], bool] = lambda _: True,
@@ -142,7 +192,7 @@ def print_found(
 
 
 @contextlib.contextmanager
-def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
+def engine_given(arguments: Arguments) -> Iterator[Any]:
     """Give the number of processes, or a Dask client, with a cluster of its own if asked for.
 
     ImportError or ConnectionError if there is no Dask, or no scheduler.
@@ -151,8 +201,6 @@ def engine_given(arguments: argparse.Namespace) -> Iterator[Any]:
         yield arguments.jobs
         return
     dask = optional("distributed", "--dask needs Dask", "sweep")
-    from shellcut.numerics.threads import available_cores
-
     with contextlib.ExitStack() as close:
         where: Any = arguments.dask
         if where == "local":
