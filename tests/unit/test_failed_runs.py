@@ -165,7 +165,7 @@ OVERWRITE = f"{RUN} --overwrite"
 def test_a_second_run_in_a_folder_is_refused(in_use, capsys, monkeypatch, command, looked):
     before = {path.name: path.read_bytes() for path in in_use.iterdir()}
     if looked:  # before the first run began: the folder is taken when it comes to writing
-        monkeypatch.setattr("shellcut.files.folder_lock.refuse_if_in_use", lambda _: None)
+        monkeypatch.setattr("shellcut.command_line.run.refuse_if_in_use", lambda _: None)
     assert main([str(in_use) if word == "OUT" else word for word in command.split()]) == 2
     said = capsys.readouterr().err
     assert f"{in_use} is being written by this very process" in said
