@@ -117,10 +117,10 @@ def converge(
             reasons = [f"{run.name} is not done: {one.reason or one.status}"]
         if why := one.figures.get("no_window"):
             reasons.append(f"{run.name} has no mean: {why}")
-        if why := one.figures.get(NOT_COMMON):
-            reasons.append(f"{run.name}: {why}")
         if reasons:
             missing.setdefault(run.part or "doubts", []).extend(reasons)
+    if windows := {one.figures[NOT_COMMON] for one in each if NOT_COMMON in one.figures}:
+        missing.setdefault("doubts", []).extend(sorted(windows))
     there = {name: v for name, v in each[0].figures.items() if isinstance(v, int | float)}
     chosen, lacking = of_interest(figures, there)
     if lacking or not chosen:

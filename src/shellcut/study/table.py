@@ -55,13 +55,9 @@ class CommonWindow:
                 continue
             between = max(low for low, _ in own.values()), min(high for _, high in own.values())
             found, why = self._means(list(own), between, unit)
-            for number, ends in own.items():
-                figures = found.get(number)
-                if figures is None:
-                    own_window = SteadyWindow(*ends).text(unit)
-                    said = f"the mean is over its own window, {own_window}: {why}"
-                    figures = {NOT_COMMON: said}
-                figures = {**outcomes[number].figures, **figures}
+            said = {NOT_COMMON: f"each run has its mean over its own window: {why}"}
+            for number in own:
+                figures = {**outcomes[number].figures, **found.get(number, said)}
                 common[number] = replace(outcomes[number], figures=figures)
         return common
 
