@@ -116,15 +116,10 @@ def _conditions(x: Floats, directors: Floats, support: Bools) -> Floats:
     """Return the supports of a piece as rows acting on (a, w size), shape (n, 6)."""
     arms = x - x.mean(axis=0)
     arms /= float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0
-    rows = []
-    for c in range(3):
-        held = support[:, c]
-        row = np.zeros((int(held.sum()), 6))
-        row[:, c] = 1.0
-        row[:, 3:] = np.cross(arms[held], np.eye(3)[c])  # e_c · (w × r) = w · (r × e_c)
-        rows.append(row)
-        t = directors[support[:, 3 + c]]
-        row = np.zeros((len(t), 6))
-        row[:, 3:] = np.eye(3)[c] - t[:, [c]] * t
-        rows.append(row)
-    return np.concatenate(rows)
+    node, axis = np.nonzero(support[:, :3])
+    e = np.eye(3)[axis]
+    moves = np.concatenate([e, np.cross(arms[node], e)], axis=1)  # e · (w × r) = w · (r × e)
+    node, axis = np.nonzero(support[:, 3:])
+    e, t = np.eye(3)[axis], directors[node]
+    spins = e - (e * t).sum(axis=1, keepdims=True) * t
+    return np.concatenate([moves, np.concatenate([np.zeros_like(spins), spins], axis=1)])

@@ -157,7 +157,11 @@ def said_of(key: str, figures: Mapping[str, Any]) -> str:
 
 def unit_of(key: str) -> str:
     """Return the unit at the end of a value's name; "" for a pure number."""
-    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+    return _UNITS.get(_ending(key), "")
+
+
+def _ending(key: str) -> str:
+    return next((ending for ending in _UNITS if key.endswith(ending)), "")
 
 
 def figure_name(name: str, figures: Mapping[str, Any]) -> str:
@@ -194,7 +198,7 @@ def known_figure(name: str, more: Iterable[str] = ()) -> str:
 
 def _spellings(key: str) -> set[str]:
     """Return a value's name, that without its unit, and its words in the reports."""
-    bare = key.removesuffix(next((ending for ending in _UNITS if key.endswith(ending)), ""))
+    bare = key.removesuffix(_ending(key))
     words = {key, bare, label_of(key, ""), OF_THE_CUT.get(key, "")}
     if key.startswith("n_"):
         words.add(f"{bare.removeprefix('n_')}s")  # what is counted: flaps, bridges
@@ -209,5 +213,4 @@ def label_of(key: str, window: str = "the steady window") -> str:
     """Return the label of a value; ``window`` says over what a mean is taken."""
     if key in LABELS:
         return LABELS[key].format(window=window)
-    ending = next((ending for ending in _UNITS if key.endswith(ending)), "")
-    return key.removesuffix(ending).removeprefix("n_").replace("_", " ")
+    return key.removesuffix(_ending(key)).removeprefix("n_").replace("_", " ")

@@ -21,6 +21,7 @@ grows and packs the columns.
 from __future__ import annotations
 
 import os
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
 
@@ -99,43 +100,26 @@ class VtkHdfWriter:
 
     def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
         self.path = Path(path)
-        try:
-            with SignalsDeferred():
-                self._open(until)
-        except BaseException:
-            if hasattr(self, "_is_sound"):  # the file is open
-                self.close()
-            raise
-
-    def _open(self, until: float | None) -> None:
-        how: Literal["r+", "w"] = "w" if until is None else "r+"
-        self._target = HdfTarget(self.path, how)
-        try:
-            self._file = h5py.File(self._target, how)
-        except BaseException:
-            self._target.close()
-            raise
         self._series_names: tuple[str, ...] = ()
         self._cells_written: dict[str, Any] = {}  # cells of the last frame, as they are in the file
         self._cells_entry: dict[str, Any] = {}  # their offsets
         self._cells_sizes = [0, 0, 0]  # numbers of points, cells and ids
         self.n_frame = 0
         """Number of frames in the file."""
-        self._is_sound = False
-        if until is None:
-            self._create_new()
-        else:
-            if not is_ours(self._file) or not all(n in self._file["VTKHDF"] for n in _COLUMNS):
-                raise ValueError(
-                    f"{self.path} was not written by shellcut, or by an older version; move it "
-                    "away or start anew"
-                )
-            self._root: Any = self._file["VTKHDF"]
-            self._columns = Columns(self._root)
-            self._beside = Columns(self._file[BESIDE])
-            self._series_names = tuple(self._root.get("FieldData", ()))
-            self._drop_after(until)
-        self._is_sound = True
+        how: Literal["r+", "w"] = "w" if until is None else "r+"
+        with ExitStack() as on_signal:
+            with SignalsDeferred(), ExitStack() as on_error:
+                self._target = HdfTarget(self.path, how)
+                on_error.callback(self._target.close)
+                self._file = h5py.File(self._target, how)
+                on_error.callback(self._file.close)
+                if until is None:
+                    self._create_new()
+                else:
+                    self._open_again(until)
+                on_error.pop_all()
+                on_signal.callback(self.close)
+            on_signal.pop_all()
 
     def __enter__(self) -> VtkHdfWriter:
         return self
@@ -177,7 +161,7 @@ class VtkHdfWriter:
         """Close the file; a second call does nothing."""
         with SignalsDeferred():
             try:
-                if self._file and self._is_sound:  # the number of frames is now final
+                if self._file:  # the number of frames is now final
                     self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place
             finally:
                 self._file.close()
@@ -273,8 +257,17 @@ class VtkHdfWriter:
             scalar_units=[frame.scalar_units[name] for name in frame.scalars],
         )
 
-    def _drop_after(self, until: float) -> None:
-        columns = self._columns
+    def _open_again(self, until: float) -> None:
+        """Drop all after this time [s] and after the last whole frame."""
+        if not is_ours(self._file) or not all(n in self._file["VTKHDF"] for n in _COLUMNS):
+            raise ValueError(
+                f"{self.path} was not written by shellcut, or by an older version; move it "
+                "away or start anew"
+            )
+        self._root: Any = self._file["VTKHDF"]
+        self._columns = columns = Columns(self._root)
+        self._beside = Columns(self._file[BESIDE])
+        self._series_names = tuple(self._root.get("FieldData", ()))
         n_frame = int(self._root["Steps"].attrs["NSteps"])  # a killed run may have begun another
         n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
         if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:

@@ -35,7 +35,7 @@ class Progress:
     standard error by default. On a terminal a bar is drawn in place, with as many values as fit
     beside it, the first two of them without names. Elsewhere plain lines are written, with the
     first two values: at most one every :data:`LINE_INTERVAL` and :data:`LINE_SHARE`. ``log``
-    receives every plain line, and the status.
+    receives every plain line.
     """
 
     def __init__(
@@ -83,11 +83,6 @@ class Progress:
         if self._bar is not None or share >= self._share_due:
             self._due, self._share_due = now + self._interval, share + LINE_SHARE
             self._guard(self._show)
-
-    def status(self, text: str) -> None:
-        """Log a line of values at once."""
-        if self._log is not None:
-            self._log(text)
 
     def close(self) -> None:
         """Show the last update and end the display; a second call does nothing."""

@@ -11,8 +11,7 @@ from shellcut.card import image
 from shellcut.files.distribution import pip_install
 from shellcut.files.file_list import target
 from shellcut.files.regular_file import read_regular
-from shellcut.report.markup import link_to, missing
-from shellcut.report.page import versions, write_page
+from shellcut.report.page import link_to, missing, versions, write_page
 from shellcut.study.plan import RUNS
 
 
