@@ -20,7 +20,7 @@ from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page import page as page_module
 from shellcut.scene_page.packed_run import pack_ids, pack_numbers
 from shellcut.view import Look
-from shellcut.view.fields import at_corners, fields_of
+from shellcut.view.look import at_corners, fields_of
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
 CUT = 17  # a quad that is a pentagon in the last frame

@@ -181,8 +181,8 @@ def _read_file(path: Path) -> dict[str, Any]:
         told = _FORMAT_TOLD.match(header)
         if told and int(told[1]) != _FORMAT:
             raise CheckpointError(
-                f"{path} has format {int(told[1])}; this version of shellcut reads checkpoints of format {_FORMAT}: "
-                "resume with the version that wrote it, or start a new run"
+                f"{path} has format {int(told[1])}; this version of shellcut reads checkpoints of "
+                f"format {_FORMAT}: resume with the version that wrote it, or start a new run"
             )
         if header != _header(digest.hexdigest()):
             raise CheckpointError(f"{damage} (wrong SHA-256); start a new run")

@@ -16,7 +16,7 @@ from shellcut.checks.hold import check_hold
 from shellcut.checks.model_check import support_of
 from shellcut.contact.border_contact import BorderContact
 from shellcut.numerics.connected_parts import connected_parts
-from shellcut.results.run_figures import run_figures
+from shellcut.results.summary_figures import run_figures
 from shellcut.state import NOTCH, TEAR, SplitRecord
 from shellcut.state.pieces import Pieces
 

@@ -12,8 +12,8 @@ from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
 from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_error_bars
 from shellcut.results.history import read_splits
-from shellcut.results.run_figures import run_figures
 from shellcut.results.run_results import Results, history_in, result_in, summary_in
+from shellcut.results.summary_figures import run_figures
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from shellcut.scene_page.page import spread
 

@@ -138,7 +138,7 @@ def measured(run: Gathered) -> str:
     head = ("", "measured", "simulated", "difference")
     return (
         f'{drawn}<p class="caption">{escape(found.scope())}.</p>'
-        + table([(in_unit(row.name, row.unit), *row[2:]) for row in found.rows()], head)
+        + table([(in_unit(name, unit), *cells) for name, unit, *cells in found.rows()], head)
         + sentences(("note", "note", note) for note in found.notes)
     )
 

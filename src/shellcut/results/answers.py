@@ -176,8 +176,9 @@ def conclusion(summary: Summary, n_doubt: int) -> str:
 def ending(summary: Summary, *, verbose: bool) -> Iterator[str]:
     """Yield the lines at the end of a run; the checks that passed are one line unless verbose."""
     lines = [Line(**line) for line in summary.get("verdict", ())]
-    kinds = ([line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note"))
-    doubts, passed, notes = kinds
+    doubts, passed, notes = (
+        [line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note")
+    )
     first = [line for line in notes if line in [*single_doubts(summary)]]
     folded = first if verbose else first + repeated_notes(summary)
     left = [line for line in notes if line not in folded]

@@ -42,7 +42,7 @@ from .frame_digest import (
     digest_of_arrays,
     digest_of_row,
 )
-from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
+from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Arrays, Counts, grid_of, is_history, series_of
 from .hdf_columns import Columns, Written
 
 _VERSION = (2, 3)
@@ -136,19 +136,18 @@ class VtkHdfWriter:
         """
         self._target.check()
         with SignalsDeferred():
-            grid = grid_of(frame)
+            counts, points, cells, of_points, of_cells = grid_of(frame)
             if not self._series_names:
-                self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
-            entry = self._append_cells(grid)
+                self._begin(frame, tuple(series_of(frame)), {*filter(is_history, of_cells)})
+            entry = self._append_cells(cells, len(points))
             written = dict(self._cells_written)
             entry["PointOffsets"] = point = self._columns.end("Points")
-            written["Points"] = self._columns.write("Points", point, grid.points)
+            written["Points"] = self._columns.write("Points", point, points)
             entry[_CELL_DATA_OFFSETS] = cell = self._columns.end("CellData/part")
-            of_points, of_cells = grid.point_arrays, grid.cell_arrays
             for of, at, arrays in (("Point", point, of_points), ("Cell", cell, of_cells)):
                 for name, rows in arrays.items():
                     written[name] = self._columns.write(f"{of}Data/{name}", at, rows)
-            self._append_row(frame, grid, entry, digest_of_arrays(written))
+            self._append_row(frame, counts, entry, digest_of_arrays(written))
             # The frame counts only once it is completely in the file.
             self._file.flush()
             self._count(self.n_frame + 1)
@@ -168,7 +167,7 @@ class VtkHdfWriter:
                 self._target.close()
 
     def _append_row(
-        self, frame: Frame, grid: FrameGrid, entry: dict[str, Any], of_arrays: int
+        self, frame: Frame, counts: Counts, entry: dict[str, Any], of_arrays: int
     ) -> None:
         k, series = self.n_frame, series_of(frame)
         entry[_SERIES_OFFSETS] = k
@@ -177,19 +176,17 @@ class VtkHdfWriter:
             self._columns.write(f"FieldData/{name}", k, np.array([value]))
         for name, value in {**entry, "Values": frame.time}.items():
             self._columns.write(f"Steps/{name}", k, np.array([value]))
-        self._beside.write("counts", k, np.array([grid.counts]))
+        self._beside.write("counts", k, np.array([counts]))
         pose = np.concatenate((frame.tool_rotation.ravel(), frame.tool_translation))
         self._beside.write("pose", k, pose[None])
-        places = np.hstack([grid.counts, *(entry[name] for name in PLACES), self._cells_sizes])
+        places = np.hstack([counts, *(entry[name] for name in PLACES), self._cells_sizes])
         numbers = [frame.time, *(series[name] for name in sorted(series)), *pose.tolist()]
         of_row = digest_of_row(
             described(self._file[BESIDE].attrs, self._series_names), numbers, places.tolist()
         )
         self._beside.write(DIGESTS, k, np.array([(of_row, of_arrays)]))
 
-    def _append_cells(self, grid: FrameGrid) -> dict[str, Any]:
-        connectivity, types, n_point = grid.connectivity, grid.types, len(grid.points)
-        cells = {"Types": types, "Connectivity": connectivity}
+    def _append_cells(self, cells: Arrays, n_point: int) -> dict[str, Any]:
         if n_point == self._cells_sizes[0] and all(
             np.array_equal(rows, self._cells_written[name]) for name, rows in cells.items()
         ):
@@ -197,14 +194,12 @@ class VtkHdfWriter:
         part = self._columns.end("NumberOfPoints")
         cell = self._columns.end("Types")
         first_id = self._columns.end("Connectivity")
-        self._cells_sizes = [n_point, len(types), len(connectivity)]
+        self._cells_sizes = [n_point, len(cells["Types"]), len(cells["Connectivity"])]
         for name, size in zip(SIZES, self._cells_sizes, strict=True):
             self._columns.write(name, part, np.array([size]))
-        ends = np.concatenate(([0], np.cumsum(grid.sizes)))
+        begins = {"Types": cell, "Offsets": cell + part, "Connectivity": first_id}
         self._cells_written = {
-            "Types": self._columns.write("Types", cell, types),
-            "Offsets": self._columns.write("Offsets", cell + part, ends),
-            "Connectivity": self._columns.write("Connectivity", first_id, connectivity),
+            name: self._columns.write(name, begins[name], rows) for name, rows in cells.items()
         }
         places = part, 1, (cell,), (first_id,)
         self._cells_entry = dict(zip(_OF_CELLS, places, strict=True))

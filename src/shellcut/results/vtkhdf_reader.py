@@ -70,11 +70,9 @@ class VtkHdfReader:
     def pose(self, k: int) -> Pose | None:
         """Return the exact pose of the tool at frame ``k``, None if the frame has no tool."""
         k = self._index(k)
-
-        def read(file: Any) -> tuple[Any, Any]:
-            return Counts(*file[BESIDE]["counts"][k].tolist()), file[BESIDE]["pose"][k]
-
-        counts, row = self._settled(read)
+        counts, row = self._settled(
+            lambda file: (Counts(*file[BESIDE]["counts"][k].tolist()), file[BESIDE]["pose"][k])
+        )
         return Pose(row[:9].reshape(3, 3), row[9:]) if counts.vertex else None
 
     def _index(self, k: int) -> int:
@@ -152,15 +150,13 @@ class VtkHdfReader:
             for n in (*CELL_ARRAYS, *of_material)
             if n in on_cells
         }
-        points = rows(root["Points"], point, n_point)
-        connectivity = rows(root["Connectivity"], first_id, int(n_id))
-        cells = {
-            "Points": points,
-            "Connectivity": connectivity,
+        grid = {
+            "Points": rows(root["Points"], point, n_point),
+            "Connectivity": rows(root["Connectivity"], first_id, int(n_id)),
             "Types": rows(root["Types"], cell, n_cell),
             "Offsets": rows(root["Offsets"], int(cell) + part, n_cell + 1),
         }
-        if digest_of_arrays(cells | arrays) != int(file[BESIDE][DIGESTS][k, 1]):
+        if digest_of_arrays(grid | arrays) != int(file[BESIDE][DIGESTS][k, 1]):
             raise ResultFileError(
                 f"{self.path} is damaged: the arrays of frame {k} are not what was written"
             )
@@ -171,9 +167,7 @@ class VtkHdfReader:
         }
         return frame_of(
             counts,
-            points,
-            connectivity,
-            np.diff(cells["Offsets"]),
+            grid,
             arrays,
             time=float(self.times[k]),
             coordinate=float(self.coordinates[k]),

@@ -24,7 +24,7 @@ from shellcut.frame import Frame
 from shellcut.results.run_results import Results
 from shellcut.unit import shown
 from shellcut.view import Look, legend_of, title_parts, tool_creases
-from shellcut.view.fields import Field
+from shellcut.view.look import Field
 
 _LOOK = Look()
 _LEVEL = 7  # of zlib

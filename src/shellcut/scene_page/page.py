@@ -18,7 +18,7 @@ from shellcut.files.distribution import VERSION
 from shellcut.files.whole_file import write_text
 from shellcut.results.run_results import Results, read
 from shellcut.view import Look
-from shellcut.view.fields import fields_of
+from shellcut.view.look import fields_of
 
 from .packed_run import as_json, packed
 
