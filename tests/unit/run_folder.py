@@ -1,5 +1,7 @@
 """The folder of a run with a made-up torque, for what reads results."""
 
+from contextlib import closing
+
 import numpy as np
 
 from opening_frame import opening_frame
@@ -13,11 +15,11 @@ def write_run(folder, name, angle, torque, **lengths):
     lengths : further columns [mm].
     """
     folder.mkdir()
-    with VtkHdfWriter(folder / f"{name}.vtkhdf") as writer:
+    with closing(VtkHdfWriter(folder / f"{name}.vtkhdf")) as writer:
         writer.append(opening_frame(0.0, n_side=4))
     columns = [("time", "s"), ("angle", "deg"), ("torque", "N*mm")]
     columns += [(name, "mm") for name in lengths]
-    with HistoryWriter(folder / "history.csv", columns) as history:
+    with closing(HistoryWriter(folder / "history.csv", columns)) as history:
         rows = zip(1e-5 * np.arange(len(angle)), angle, torque, *lengths.values(), strict=True)
         for row in rows:
             history.append(dict(zip((column for column, _ in columns), row, strict=True)))

@@ -50,7 +50,6 @@ def test_elsewhere_than_on_a_terminal_there_are_about_ten_short_lines():
 @pytest.mark.parametrize(
     ("columns", "text"),
     [
-        (160, "40° 143.6 N·mm, 55 s left, imbalance -0.04 %, 1,000 steps/s"),
         (80, "40° 143.6 N·mm, 55 s left, imbalance -0.04 %"),
         (60, "40° 143.6 N·mm, 55 s left"),
         (40, ""),
@@ -62,7 +61,6 @@ def test_a_terminal_gets_a_bar_with_the_figures_it_has_room_for(monkeypatch, col
     stream = Terminal()
     run(stream, Clock())
     everything = stream.getvalue()
-    assert "half way" not in everything  # the bar shows such figures
     last = next(line for line in reversed(everything.splitlines()) if "opening" in line)
     shown = re.sub(r"\x1b\[[\d;?]*[a-zA-Z]", "", last).rpartition("\r")[2]
     assert re.fullmatch(f"opening [━╺]+ +42 % *{re.escape(text)} *", shown)

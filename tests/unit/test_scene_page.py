@@ -7,6 +7,7 @@ import json
 import re
 import sys
 import zlib
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -53,7 +54,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     frames = [opening_frame(angle, n_side=10) for angle in ANGLES]
     frames[-1] = with_pentagon(frames[-1])
-    with VtkHdfWriter(folder / "a <cut>.vtkhdf") as writer:
+    with closing(VtkHdfWriter(folder / "a <cut>.vtkhdf")) as writer:
         for k, frame in enumerate(frames):
             damage = np.linspace(0.0, 0.1 * k, len(frame.quads))
             writer.append(dataclasses.replace(frame, quad_history={"damage [-]": damage}))

@@ -80,8 +80,9 @@ def run_summary(
         for name, value in figures.items()
         if isfinite(value)
     }
-    coordinate = r.coordinate_name, r.coordinate_unit
-    finite |= run_figures(history, coordinate, r.columns[0], end, s.splits)
+    finite |= run_figures(
+        history, (r.coordinate_name, r.coordinate_unit), r.columns[0], end, s.splits
+    )
     if sim.cracks is not None:
         finite["crack_path"] = sim.fracture.path
     if sim.between_steps:

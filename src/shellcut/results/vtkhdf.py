@@ -121,12 +121,6 @@ class VtkHdfWriter:
                 on_signal.callback(self.close)
             on_signal.pop_all()
 
-    def __enter__(self) -> VtkHdfWriter:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def append(self, frame: Frame) -> None:
         """Write one frame and flush it.
 

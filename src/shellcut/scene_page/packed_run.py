@@ -68,9 +68,13 @@ def packed(
         for name, (table, kind) in made.items():
             rows[name].append(table(frame).astype(kind))
         for entry in legend_of([frame]):
-            switch = _CABLES.get(entry.name, entry.part)
-            part = {"part": entry.part, "switch": switch, "color": entry.color}
-            legend[entry.name] = {"name": entry.name, "area": entry.is_area} | part
+            legend[entry.name] = {
+                "name": entry.name,
+                "area": entry.is_area,
+                "part": entry.part,
+                "switch": _CABLES.get(entry.name, entry.part),
+                "color": entry.color,
+            }
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
     packers = {np.int32: pack_ids, np.float32: pack_numbers}

@@ -103,8 +103,11 @@ def draw_crack_map(
             zorder=3,
         )
         beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
-        bar = figure.colorbar(scale, cax=figure.add_axes(beside))
-        bar.set_label(in_unit(f"opened at {last.coordinate_name}", along_unit))
+        figure.colorbar(
+            scale,
+            cax=figure.add_axes(beside),
+            label=in_unit(f"opened at {last.coordinate_name}", along_unit),
+        )
     _mark_splits(axes, splits or {}, factor, ij)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)

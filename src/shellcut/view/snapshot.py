@@ -153,8 +153,9 @@ class SnapshotSeries:
 
                 at = self._camera.project(camera.centre)[:2] / OVERSAMPLING  # a circle around it
                 seen = 0.5 * min(camera.shape) / camera.scale * self._camera.scale / OVERSAMPLING
-                circle = Circle(tuple(at), seen, fill=False, ls="--", lw=1.2, ec="0.25")
-                self._left.add_patch(circle)
+                self._left.add_patch(
+                    Circle(tuple(at), seen, fill=False, ls="--", lw=1.2, ec="0.25")
+                )
         return self._figure
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:
