@@ -86,11 +86,11 @@ def scene(run: Gathered) -> str:
     folder = escape(shlex.quote(str(run.results.folder)))
     command = f"<code>shellcut view {folder} -o FILE.html</code>"
     try:
-        packed = packed_scene(run.results, None, _LARGEST)
+        html, _, dropped = packed_scene(run.results, None, _LARGEST)
     except ValueError as error:
         return missing(f"No scene: {error}.") + f"<p>{command} writes a page with it alone.</p>"
-    said = f"<p>Every frame is in the page that {command} writes.</p>" if packed.dropped else ""
-    return packed.html + said
+    said = f"<p>Every frame is in the page that {command} writes.</p>" if dropped else ""
+    return html + said
 
 
 def resistance(run: Gathered) -> str:

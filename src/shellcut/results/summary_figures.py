@@ -295,9 +295,7 @@ def _peak(
     Nothing if the history has no such column.
     """
     name, unit = resistance
-    if name not in history:
-        return {}
-    values = history[name]
+    values = history.get(name, np.zeros(0))
     finite = np.flatnonzero(np.isfinite(values))
     if not finite.size:
         return {}

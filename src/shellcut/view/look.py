@@ -137,9 +137,8 @@ def field_limits(arrays: Sequence[Floats], sign: int = 0) -> tuple[float, float]
             end = float(np.ceil(2.0 * high / unit) / 2.0 * unit)
         return (0.0, end) if sign > 0 else (-end, 0.0)
     low, high = np.quantile(values, (1.0 - _SHARE, _SHARE)).tolist()
-    if low * high <= 0.0 or min(abs(low), abs(high)) <= high - low:
-        low, high = min(low, 0.0), max(high, 0.0)
-    if high - low <= 1e-9 * max(abs(low), abs(high)):
+    nearer, farther = sorted((abs(low), abs(high)))
+    if low * high <= 0.0 or nearer <= high - low or high - low <= 1e-9 * farther:
         low, high = min(low, 0.0), max(high, 0.0)
     if low == high:
         return 0.0, 1.0
