@@ -4,8 +4,12 @@ One temporal unstructured grid contains everything, laid out by :mod:`shellcut.r
 nodes, cables and cracks may come and go from frame to frame. Time, the frame's coordinate and its
 scalars are exact field arrays (``time [s]``, ``torque [N*mm]``). A group ``shellcut`` beside the
 grid, which VTK ignores, stores further data per frame for reading back: the number of each part,
-the tool's rotation and translation, and digests that reveal damage
-(:mod:`shellcut.results.frame_digest`).
+the tool's rotation and translation, and digests that reveal damage.
+
+Each frame has two digests, 32-bit CRCs (zlib): one of its row (time, coordinate, values, pose,
+counts, positions of its arrays, names and units) and one of its arrays. They are computed from the
+numbers as a reader gets them, and so cover everything in between: data, shapes of the columns, and
+the index of their chunks, which HDF5 itself does not protect.
 
 Offsets in the file (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
 silently takes all frames for one):
@@ -21,6 +25,8 @@ grows and packs the columns.
 from __future__ import annotations
 
 import os
+import zlib
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
@@ -33,15 +39,6 @@ from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 from shellcut.signals import SignalsDeferred
 
-from .frame_digest import (
-    DIGESTS,
-    PLACES,
-    SIZES,
-    damaged_row,
-    described,
-    digest_of_arrays,
-    digest_of_row,
-)
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Arrays, Counts, grid_of, is_history, series_of
 from .hdf_columns import Columns, Written
 
@@ -59,8 +56,26 @@ _CELL_DATA_OFFSETS = "CellDataOffsets/part"
 _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 
+DIGESTS = "crc32"
+"""Column of the digests of row and arrays, beside VTK's own columns."""
+
+_PLACES = (
+    "PartOffsets",
+    "NumberOfParts",
+    "PointOffsets",
+    _CELL_DATA_OFFSETS,
+    "CellOffsets",
+    "ConnectivityIdOffsets",
+    _SERIES_OFFSETS,
+    _SERIES_SIZES,
+)
+"""Columns of ``Steps`` with the positions of a frame's arrays."""
+
+_SIZES = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+"""Columns with the lengths of the parts."""
+
 _COLUMNS: dict[str, tuple[Any, tuple[int, ...], Written]] = {
-    **dict.fromkeys(SIZES, (np.int64, (), "rows")),
+    **dict.fromkeys(_SIZES, (np.int64, (), "rows")),
     # Not packed: this column cannot start on a new chunk, see above.
     "Offsets": (np.int64, (), "blocks"),
     "Connectivity": (np.int64, (), "packed"),
@@ -173,10 +188,10 @@ class VtkHdfWriter:
         self._beside.write("counts", k, np.array([counts]))
         pose = np.concatenate((frame.tool_rotation.ravel(), frame.tool_translation))
         self._beside.write("pose", k, pose[None])
-        places = np.hstack([counts, *(entry[name] for name in PLACES), self._cells_sizes])
+        places = np.hstack([counts, *(entry[name] for name in _PLACES), self._cells_sizes])
         numbers = [frame.time, *(series[name] for name in sorted(series)), *pose.tolist()]
-        of_row = digest_of_row(
-            described(self._file[BESIDE].attrs, self._series_names), numbers, places.tolist()
+        of_row = _digest_of_row(
+            _described(self._file[BESIDE].attrs, self._series_names), numbers, places.tolist()
         )
         self._beside.write(DIGESTS, k, np.array([(of_row, of_arrays)]))
 
@@ -189,7 +204,7 @@ class VtkHdfWriter:
         cell = self._columns.end("Types")
         first_id = self._columns.end("Connectivity")
         self._cells_sizes = [n_point, len(cells["Types"]), len(cells["Connectivity"])]
-        for name, size in zip(SIZES, self._cells_sizes, strict=True):
+        for name, size in zip(_SIZES, self._cells_sizes, strict=True):
             self._columns.write(name, part, np.array([size]))
         begins = {"Types": cell, "Offsets": cell + part, "Connectivity": first_id}
         self._cells_written = {
@@ -276,7 +291,7 @@ class VtkHdfWriter:
             # The next frame may share the cells, as it does in a run that nothing interrupts.
             self._cells_entry = {name: columns[f"Steps/{name}"][k] for name in _OF_CELLS}
             part, _, (cell,), (first_id,) = self._cells_entry.values()
-            n_part, self._cells_sizes = part + 1, [columns[name][part] for name in SIZES]
+            n_part, self._cells_sizes = part + 1, [columns[name][part] for name in _SIZES]
             n_point = columns["Steps/PointOffsets"][k] + self._cells_sizes[0]
             n_cell, n_id = cell + self._cells_sizes[1], first_id + self._cells_sizes[2]
             n_cell_row = columns[f"Steps/{_CELL_DATA_OFFSETS}"][k] + self._cells_sizes[1]
@@ -286,7 +301,7 @@ class VtkHdfWriter:
                 "Connectivity": columns["Connectivity"][first_id:n_id],
             }
         ends = {
-            **dict.fromkeys(SIZES, n_part),
+            **dict.fromkeys(_SIZES, n_part),
             "Points": n_point,
             "Types": n_cell,
             "Offsets": n_cell + n_part,
@@ -307,3 +322,60 @@ def is_ours(file: Any) -> bool:
     """Whether an open file was written by this class; an older one may lack some arrays."""
     needed = ["VTKHDF/Steps", "VTKHDF/CellData/part", *(f"{BESIDE}/{name}" for name in _BESIDE)]
     return all(name in file for name in needed)
+
+
+# --- digests -------------------------------------------------------------------------------------
+
+
+def digest_of_arrays(arrays: Mapping[str, Any]) -> int:
+    """Return the digest of named arrays, in any order; their types are included."""
+    crc = 0
+    for name in sorted(arrays):
+        rows = np.ascontiguousarray(arrays[name])
+        crc = zlib.crc32(f"{name}{rows.dtype.str}{rows.shape}".encode(), crc)
+        crc = zlib.crc32(rows.reshape(-1).view(np.uint8).data, crc)
+    return crc
+
+
+def _digest_of_row(description: str, numbers: Iterable[float], places: Iterable[int]) -> int:
+    """Return the digest of a frame's row, of its :func:`_described` names and units.
+
+    The numbers are time, the series in the order of their names, pose; the places are the counts,
+    then the values of :data:`_PLACES` and :data:`_SIZES`.
+    """
+    crc = zlib.crc32(description.encode())
+    crc = zlib.crc32(np.array([*numbers], "<f8").tobytes(), crc)
+    return zlib.crc32(np.array([*places], "<i8").tobytes(), crc)
+
+
+def _described(attributes: Mapping[str, Any], series_names: Iterable[str]) -> str:
+    """Return version, names and units of a result file as one text, from its attributes."""
+    texts = [str(attributes["version"])]
+    for name in ("coordinate", "scalar_names", "scalar_units"):
+        texts += [name, *map(str, attributes[name])]
+    return "\n".join([*texts, *sorted(series_names)])
+
+
+def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:
+    """Return the first of the frames whose row has changed since it was written, None if none.
+
+    ``root`` and ``beside`` are VTK's group of the file and the library's own.
+    """
+    if not n_frame:
+        return None
+    steps, series = root["Steps"], root["FieldData"]
+    description = _described(beside.attrs, series)
+
+    def rows(column: Any) -> Any:
+        return column[:n_frame].reshape(n_frame, -1)
+
+    part = rows(steps["PartOffsets"])[:, 0]
+    sizes = [root[name][()][part][:, None] for name in _SIZES]
+    places = [rows(beside["counts"]), *(rows(steps[name]) for name in _PLACES), *sizes]
+    numbers = [rows(steps["Values"]), *(rows(series[name]) for name in sorted(series))]
+    table = np.concatenate([*numbers, rows(beside["pose"])], axis=1)
+    where = np.concatenate(places, axis=1)
+    rows_of_both = zip(table.tolist(), where.tolist(), strict=True)
+    now = np.array([_digest_of_row(description, *row) for row in rows_of_both], np.uint32)
+    wrong = np.flatnonzero(beside[DIGESTS][:n_frame, 0] != now)
+    return int(wrong[0]) if wrong.size else None

@@ -19,9 +19,8 @@ from shellcut.files.regular_file import require_regular
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
 
-from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of, is_history
-from .vtkhdf import BESIDE, ENDED, NOT_ENDED, is_ours
+from .vtkhdf import BESIDE, DIGESTS, ENDED, NOT_ENDED, damaged_row, digest_of_arrays, is_ours
 
 # A file may be read while its run writes: what is read then may be half old and half new, as its
 # digests tell. It is read again, so often at most, until it has not been written to for a while.
