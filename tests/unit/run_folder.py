@@ -19,7 +19,7 @@ def write_run(folder, name, angle, torque, **lengths):
         writer.append(opening_frame(0.0, n_side=4))
     columns = [("time", "s"), ("angle", "deg"), ("torque", "N*mm")]
     columns += [(name, "mm") for name in lengths]
-    with closing(HistoryWriter(folder / "history.csv", columns)) as history:
+    with HistoryWriter(folder / "history.csv", columns) as history:
         rows = zip(1e-5 * np.arange(len(angle)), angle, torque, *lengths.values(), strict=True)
         for row in rows:
             history.append(dict(zip((column for column, _ in columns), row, strict=True)))

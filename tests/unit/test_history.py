@@ -1,7 +1,6 @@
 """History files: exact numbers, whole lines whatever happens, units beside the names."""
 
 import re
-from contextlib import closing
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ def path(tmp_path):
 
 def write(path, first=0, end=8, *, kept=None, until=None):
     """Write rows to a history; return what was written after ``until`` of them, or all."""
-    with closing(HistoryWriter(path, COLUMNS, kept=kept)) as history:
+    with HistoryWriter(path, COLUMNS, kept=kept) as history:
         for k in range(first, end):
             history.append(row(k))
             if until in (None, k + 1):
@@ -76,13 +75,13 @@ def test_other_columns_and_foreign_files_are_refused(path):
     path.write_text("a;b\n1;2\n")
     with pytest.raises(ValueError, match="line 1: must name the columns"):
         read_history(path)
-    with closing(HistoryWriter(path, COLUMNS)) as history, pytest.raises(KeyError, match="torque"):
+    with HistoryWriter(path, COLUMNS) as history, pytest.raises(KeyError, match="torque"):
         history.append({"time": 0.0, "angle": 0.0, "torqe": 0.0})
     assert len(path.read_text().splitlines()) == 1
 
 
 def test_a_row_that_does_not_fit_is_told_of(path):
-    with closing(HistoryWriter(path, COLUMNS)) as writer:
+    with HistoryWriter(path, COLUMNS) as writer:
         writer.append(row(0))
         # The system takes the first bytes of the row, and says so without an error.
         whole = path.stat().st_size
@@ -146,7 +145,7 @@ def test_a_cell_that_is_no_number_is_named(path, cell, column):
 
 
 def test_what_a_blown_up_run_writes_is_read(path):
-    with closing(HistoryWriter(path, COLUMNS)) as history:
+    with HistoryWriter(path, COLUMNS) as history:
         history.append({"time": 0.0, "angle": np.nan, "torque": -np.inf})
     values, _ = read_history(path)
     assert np.isnan(values["angle"][0])

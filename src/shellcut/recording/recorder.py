@@ -157,8 +157,9 @@ class Recorder:
             units = {coordinate: self.resistance.coordinate_unit, first: unit, "imbalance": "%"}
             self._progress = Progress(name, figure_units=units, log=chosen.log)
         self._unfelt = UnfeltPenetration(sim)
-        every = chosen.checkpoint_every
-        self._checkpoint_every = np.inf if every is None else every
+        self._checkpoint_every = (
+            np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
+        )
         self._checkpoint_failed = False
         self._started = self._looked = time.perf_counter()
         self._saved = self._started if chosen.resume else -np.inf
@@ -356,8 +357,11 @@ class Recorder:
         if sim.between_steps and now > self._schedule.row_time:
             self._files.history.append(self._now())
         frame_due = now > self._schedule.frame_time
-        picture_due = self._can_draw and self._schedule.picture_due is not None
-        picture_due = picture_due and now > self._schedule.captured_time
+        picture_due = (
+            self._can_draw
+            and self._schedule.picture_due is not None
+            and now > self._schedule.captured_time
+        )
         if not (frame_due or picture_due):
             return
         with np.errstate(all="ignore"):

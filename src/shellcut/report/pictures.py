@@ -205,9 +205,11 @@ def _chart(
     unit = pretty(diagram.unit)
     ends = [(curve.name, np.asarray(curve.values)[-1]) for curve in diagram.curves[-3:]]
     last = ", ".join(f"{name} {end:.4g} {unit}" for name, end in ends)
-    curves = []
-    for c in diagram.curves:
-        finite = np.nan_to_num(c.values, posinf=0.0, neginf=0.0)
-        curves.append(replace(c, values=finite[rows][kept]) if c.x is None else c)
+    curves = [
+        replace(c, values=np.nan_to_num(c.values, posinf=0.0, neginf=0.0)[rows][kept])
+        if c.x is None
+        else c
+        for c in diagram.curves
+    ]
     shown = replace(diagram, x=x[kept], curves=curves)
     return chart(shown, f"Curve: {of}; at the end {last}.", height)

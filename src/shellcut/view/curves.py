@@ -89,10 +89,14 @@ class Diagram:
     def shown(self) -> Diagram:
         """Return it in the units in which values are shown."""
         (x_unit, along), (unit, up) = shown(self.x_unit), shown(self.unit)
-        curves = []
-        for c in self.curves:
-            own = None if c.x is None else along * np.asarray(c.x)
-            curves.append(replace(c, values=up * np.asarray(c.values), x=own))
+        curves = [
+            replace(
+                c,
+                values=up * np.asarray(c.values),
+                x=None if c.x is None else along * np.asarray(c.x),
+            )
+            for c in self.curves
+        ]
         x = along * np.asarray(self.x)
         return replace(self, x=x, curves=curves, x_unit=x_unit, unit=unit)
 
