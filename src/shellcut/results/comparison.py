@@ -124,7 +124,7 @@ class Comparison:
         for name, unit, measured, simulated, difference in self.rows():
             both = [f"{cell}{after(unit)}" if cell else "" for cell in (measured, simulated)]
             own = "" if difference.endswith(("%", "-")) else after(unit)
-            table.append((name, *both, f"{difference}{own}"))
+            table.append((name, both[0], both[1], f"{difference}{own}"))
         width = [max(len(cells[k]) for cells in table) for k in range(4)]
         lines = [
             cells[0].ljust(width[0])

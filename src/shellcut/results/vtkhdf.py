@@ -268,7 +268,7 @@ class VtkHdfWriter:
                 f"{self.path} was not written by shellcut, or by an older version; move it "
                 "away or start anew"
             )
-        self._root: Any = self._file["VTKHDF"]
+        self._root = self._file["VTKHDF"]
         self._columns = columns = Columns(self._root)
         self._beside = Columns(self._file[BESIDE])
         self._series_names = tuple(self._root.get("FieldData", ()))

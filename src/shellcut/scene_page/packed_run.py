@@ -77,7 +77,10 @@ def packed(
             }
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
-    packers = {np.int32: pack_ids, np.float32: pack_numbers}
+    packers: dict[Any, Callable[[Rows], PackedTable]] = {
+        np.int32: pack_ids,
+        np.float32: pack_numbers,
+    }
     tables = {name: packers[made[name][1]](each) for name, each in rows.items()}
     described = {
         "name": results.name,
