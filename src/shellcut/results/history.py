@@ -170,9 +170,14 @@ class HistoryWriter:
                 f"more, got {len(part)}; {anew}"
             )
         if hashlib.sha256(part).hexdigest() != kept.digest:
+            where = ""
+            try:
+                _parsed(part, self.path)
+            except ValueError as problem:
+                where = f": {problem}"
             raise ValueError(
                 f"{self.path} must be as it was at the checkpoint, but its first {kept.length} "
-                f"bytes have been changed; {anew}"
+                f"bytes have been changed{where}; {anew}"
             )
         return part
 
