@@ -1,5 +1,7 @@
 """The folder of a run with a made-up torque, for what reads results."""
 
+from contextlib import closing
+
 import numpy as np
 
 from opening_frame import opening_frame
@@ -13,7 +15,7 @@ def write_run(folder, name, angle, torque, **lengths):
     lengths : further columns [mm].
     """
     folder.mkdir()
-    with VtkHdfWriter(folder / f"{name}.vtkhdf") as writer:
+    with closing(VtkHdfWriter(folder / f"{name}.vtkhdf")) as writer:
         writer.append(opening_frame(0.0, n_side=4))
     columns = [("time", "s"), ("angle", "deg"), ("torque", "N*mm")]
     columns += [(name, "mm") for name in lengths]

@@ -254,7 +254,7 @@ def test_what_is_no_checkpoint_is_refused(saved, tmp_path):
     (tmp_path / "folder.h5").mkdir()
     (tmp_path / "empty.h5").write_bytes(b"")
     for name, said in (
-        ("foreign", "has no or an older format number; this version of"),
+        ("foreign", "is damaged, or not a checkpoint of shellcut"),
         ("newer", "has format 99; this version of shellcut reads"),
         ("none", r"there is no checkpoint .*none\.h5"),
         ("folder", "not a regular file"),

@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 from shellcut import ErrorBars, read_model
-from shellcut.report.error_bars import error_bars
+from shellcut.report.pictures import error_bars
 from shellcut.results.error_bars import Run, error_bar, read_error_bars
 from shellcut.study.converge import companions_of
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import h5py
@@ -26,7 +27,7 @@ def append_all(writer, wanted):
 
 def fill(path, wanted):
     """Write frames until the system refuses; return how many went in."""
-    with VtkHdfWriter(path) as writer:
+    with closing(VtkHdfWriter(path)) as writer:
         with pytest.raises(OSError, match=REFUSAL) as refusal:
             append_all(writer, wanted)
         assert str(path) in str(refusal.value)
@@ -42,7 +43,7 @@ def assert_goes_on(path, wanted, n):
     assert reader.times.tolist() == [frame.time for frame in wanted[:n]]
     for k in range(n):
         np.testing.assert_array_equal(reader.frame(k).quads, wanted[k].quads)
-    with VtkHdfWriter(path, until=wanted[n - 1].time if n else -np.inf) as writer:
+    with closing(VtkHdfWriter(path, until=wanted[n - 1].time if n else -np.inf)) as writer:
         assert writer.n_frame == n
         writer.append(wanted[n])
     np.testing.assert_array_equal(VtkHdfReader(path).frame(n).quads, wanted[n].quads)

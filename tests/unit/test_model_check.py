@@ -10,8 +10,7 @@ import shellcut
 import shellcut as sc
 from shellcut import CohesiveLaw, Elastic, Fracture, Layer, ShellMaterial, opening_test
 from shellcut.checks import RefusedModel
-from shellcut.checks.plausible import check_numbers
-from shellcut.checks.steps import check_steps
+from shellcut.checks.plausible import check_numbers, check_steps
 from shellcut.fracture.puncture import bending_length
 from shellcut.mesh.structured import opening_disc, rectangle
 from shellcut.models import Case, free_cut

@@ -5,6 +5,7 @@ what must come out.
 """
 
 import itertools
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -240,7 +241,7 @@ def test_a_cut_writes_dissipation_and_damage(tmp_path):
     assert set(first) == set(last) == {"largest strain [-]", "damage [-]"}
     assert last["damage [-]"].max() > 0.05
     frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
-    with VtkHdfWriter(tmp_path / "own.vtkhdf") as writer:
+    with closing(VtkHdfWriter(tmp_path / "own.vtkhdf")) as writer:
         writer.append(frame)
     again = VtkHdfReader(tmp_path / "own.vtkhdf").frame(0)
     for name, wanted in sim.shell.history_means(sim.state).items():

@@ -4,6 +4,7 @@ import dataclasses
 import re
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ def leave(folder, n=3, name="made"):
     """A made-up run that has not ended."""
     folder.mkdir(exist_ok=True)
     frames = [opening_frame(30.0 * k, n_side=8, time=1e-3 * (k + 1)) for k in range(n)]
-    with VtkHdfWriter(folder / f"{name}.vtkhdf") as writer:
+    with closing(VtkHdfWriter(folder / f"{name}.vtkhdf")) as writer:
         for frame in frames:
             writer.append(frame)
     rows = "".join(f"{1e-3 * k},{30.0 * k},{144.0 + k}\n" for k in range(5))

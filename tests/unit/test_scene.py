@@ -17,7 +17,7 @@ from shellcut.frame import Frame
 from shellcut.unit import showing
 from shellcut.view import Look, draw_movie, draw_scene, movie, snapshot
 from shellcut.view._raster import LAMP, Camera, Canvas, view_axes
-from shellcut.view.fields import at_corners, field_limits, fields_of
+from shellcut.view.look import at_corners, field_limits, fields_of
 from shellcut.view.snapshot import close_camera, tooth_ball, whole_camera
 
 pillow = pytest.importorskip("PIL.Image", reason="needs shellcut-fem[plot]")
@@ -221,7 +221,7 @@ def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, mon
     ends = []
     monkeypatch.setattr(
         "shellcut.view.snapshot.add_color_bar",
-        lambda _figure, scale, _shown, _box, label: ends.append((*scale.get_clim(), label)),
+        lambda _figure, _look, limits, _shown, _box, label: ends.append((*limits, label)),
     )
     strip = {"length": 6.0, "width": 4.0, "notch": 1.0, "travel": 0.2, "speed": 8000.0}
     case = guillotine(1.0, **strip, law=CohesiveLaw(strength=12.0))

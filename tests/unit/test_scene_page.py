@@ -7,6 +7,7 @@ import json
 import re
 import sys
 import zlib
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from shellcut.scene_page import packed_scene, scene_scripts
 from shellcut.scene_page import page as page_module
 from shellcut.scene_page.packed_run import pack_ids, pack_numbers
 from shellcut.view import Look
-from shellcut.view.fields import at_corners, fields_of
+from shellcut.view.look import at_corners, fields_of
 
 ANGLES = (0.0, 15.0, 30.0, 45.0, 60.0)
 CUT = 17  # a quad that is a pentagon in the last frame
@@ -53,7 +54,7 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     frames = [opening_frame(angle, n_side=10) for angle in ANGLES]
     frames[-1] = with_pentagon(frames[-1])
-    with VtkHdfWriter(folder / "a <cut>.vtkhdf") as writer:
+    with closing(VtkHdfWriter(folder / "a <cut>.vtkhdf")) as writer:
         for k, frame in enumerate(frames):
             damage = np.linspace(0.0, 0.1 * k, len(frame.quads))
             writer.append(dataclasses.replace(frame, quad_history={"damage [-]": damage}))
@@ -65,20 +66,21 @@ def results(folder):
     return shellcut.read(folder)
 
 
-def unpacked(packed):
+def unpacked(described, data):
     """Return the integers of every frame, one by one."""
-    stream = io.BytesIO(zlib.decompress(base64.b64decode(packed.data)))
-    frames, before = [], np.zeros((0, packed.columns), int)
-    for rows in packed.rows:
-        count = rows * packed.columns
-        planes = [stream.read(count) for _ in range(packed.bytes)]
-        table = np.zeros((rows, packed.columns), int)
+    stream = io.BytesIO(zlib.decompress(base64.b64decode(data)))
+    columns = described["columns"]
+    frames, before = [], np.zeros((0, columns), int)
+    for rows in described["rows"]:
+        count = rows * columns
+        planes = [stream.read(count) for _ in range(described["bytes"])]
+        table = np.zeros((rows, columns), int)
         for at in range(count):
             folded = sum(plane[at] << (8 * k) for k, plane in enumerate(planes))
             change = -(folded // 2) - 1 if folded % 2 else folded // 2
             row, column = at % rows, at // rows
             known = before[row, column] if row < len(before) else 0
-            table[row, column] = (known + change) % (1 << (8 * packed.bytes))
+            table[row, column] = (known + change) % (1 << (8 * described["bytes"]))
         frames.append(table)
         before = table
     assert stream.read() == b""
@@ -92,28 +94,29 @@ class TestTables:
         tables = [random.integers(0, largest, (n, 3), endpoint=True) for n in (5, 8, 0, 2)]
         tables[0][0, 0] = largest
         packed = pack_ids(tables)
-        assert packed.bytes == (2 if largest < 65_536 else 4)
-        for given, found in zip(tables, unpacked(packed), strict=True):
+        assert packed[0]["bytes"] == (2 if largest < 65_536 else 4)
+        for given, found in zip(tables, unpacked(*packed), strict=True):
             np.testing.assert_array_equal(found, given)
 
     def test_narrow_tables_repeat_their_last_column_and_equal_ones_take_no_room(self):
         narrow, wide = np.array([[1, 2, 3, 4]]), np.array([[1, 2, 3, 4, 5], [6, 7, 8, 8, 8]])
-        found = unpacked(pack_ids([narrow, wide]))
+        found = unpacked(*pack_ids([narrow, wide]))
         assert [table.tolist() for table in found] == [[[1, 2, 3, 4, 4]], wide.tolist()]
         ids = np.random.default_rng(6).integers(0, 2000, (2000, 4))
-        one, many = (len(pack_ids([ids] * n).data) for n in (1, 50))
+        one, many = (len(pack_ids([ids] * n)[1]) for n in (1, 50))
         assert many - one < 49 * 0.005 * one  # the bytes of the 49 others are zero
 
     def test_numbers_are_exact_to_half_a_step_of_their_column(self):
         random, size = np.random.default_rng(5), np.array([1.0, 1e-3, 0.0])
         tables = [random.normal(size=(n, 3)) * size + 7.0 for n in (0, 40, 60)]
         packed = pack_numbers(tables)
-        for given, found in zip(tables, unpacked(packed), strict=True):
-            error = np.abs(packed.low + found * np.array(packed.step) - given)
-            assert (error <= 0.5001 * np.array(packed.step)).all()
+        low, step = (np.array(packed[0][name]) for name in ("low", "step"))
+        for given, found in zip(tables, unpacked(*packed), strict=True):
+            error = np.abs(low + found * step - given)
+            assert (error <= 0.5001 * step).all()
         # 65,535 steps over the range of a column
         spans = np.ptp(np.concatenate(tables), axis=0)
-        np.testing.assert_allclose(packed.step[:2], spans[:2] / 65_535)
+        np.testing.assert_allclose(step[:2], spans[:2] / 65_535)
 
 
 class TestFile:

@@ -47,7 +47,7 @@ def test_a_blade_goes_along_a_line_at_its_speed(size):
     assert sweep.top_speed == pytest.approx(1000.0)
     (fate,) = sweep.fates
     assert (fate.stays, fate.passed_out) == (True, False)
-    assert fate.first == pytest.approx(1e-3, abs=sweep.duration / sweep.n_time)
+    assert fate.first == pytest.approx(1e-3, abs=sweep.tick)
     corner = sheet.nodes[sheet.quads[sweep.quad]]
     assert (corner.min(axis=1) <= place + 1e-9).all()
     assert (corner.max(axis=1) >= place - 1e-9).all()

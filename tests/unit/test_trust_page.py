@@ -3,7 +3,7 @@
 import pytest
 
 from page_tables import numbers_of, row
-from shellcut.checks import path, plausible, steps
+from shellcut.checks import path, plausible
 from shellcut.results import verdict
 from shellcut.tool.shapes import tooth_ring
 
@@ -23,7 +23,7 @@ FIRST_YIELD += [plausible.SMALLEST_R, plausible.LARGEST_R]
         ("The modulus is", MODULUS),
         ("The strength is", STRENGTH),
         ("The first yield stress is", FIRST_YIELD),
-        ("The cutting edge is slower", [steps.OF_WAVE]),
+        ("The cutting edge is slower", [plausible.OF_WAVE]),
         ('With `path = "edges"`', [path.OFF_ROW]),
         ("Quads under the path have", [path.BENDS]),
     ],

@@ -5,6 +5,7 @@ import gc
 import signal
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -46,7 +47,7 @@ def frames(n=7):
 
 
 def write(path, frames, **options):
-    with VtkHdfWriter(path, **options) as writer:
+    with closing(VtkHdfWriter(path, **options)) as writer:
         for frame in frames:
             writer.append(frame)
 
@@ -166,7 +167,7 @@ def test_an_array_that_came_later_is_left_out_of_older_files(tmp_path, monkeypat
 def test_frames_are_read_back_as_they_were_written(tmp_path):
     path = tmp_path / "run.vtkhdf"
     written = frames()
-    with VtkHdfWriter(path) as writer:
+    with closing(VtkHdfWriter(path)) as writer:
         for frame in written[:4]:
             writer.append(frame)
         early = VtkHdfReader(path)  # while the run still writes
@@ -233,7 +234,7 @@ def test_a_continued_run_appends_and_drops_what_came_after_the_checkpoint(tmp_pa
     path = tmp_path / "run.vtkhdf"
     written = frames(10)
     write(path, written[:6])
-    with VtkHdfWriter(path, until=written[3].time) as writer:
+    with closing(VtkHdfWriter(path, until=written[3].time)) as writer:
         assert writer.n_frame == 4
         for frame in written[4:]:
             writer.append(frame)
@@ -262,7 +263,7 @@ def test_after_a_frame_that_failed_the_next_one_is_whole(tmp_path, monkeypatch):
     # Both have the same new cells; those of the failed one must not be taken for written.
     before, failed, after = frames(4)[1:]
     path = tmp_path / "run.vtkhdf"
-    with VtkHdfWriter(path) as writer:
+    with closing(VtkHdfWriter(path)) as writer:
         writer.append(before)
         with monkeypatch.context() as patch:
             patch.setattr(Columns, "write", Mock(side_effect=OSError("disk full")))
@@ -310,8 +311,8 @@ def test_a_run_killed_after_frames_leaves_them_readable(tmp_path, moment):
 def test_twelve_bits_are_kept_to_nearest():
     frame = opening_frame(0.0, n_side=2)
     stress = np.random.default_rng(1).normal(size=frame.quad_stress.shape) * 10.0
-    grid = grid_of(dataclasses.replace(frame, quad_stress=stress))
-    kept = grid.cell_arrays["membrane stress [MPa]"][: len(stress)]
+    *_, on_cells = grid_of(dataclasses.replace(frame, quad_stress=stress))
+    kept = on_cells["membrane stress [MPa]"][: len(stress)]
     error = np.abs(kept / stress - 1.0).max()
     # Half of the last bit, and next to all of it where there are so many.
     assert 0.8 * 2.0 ** -(KEPT_BITS + 1) < error <= 2.0 ** -(KEPT_BITS + 1)

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
+from shellcut.formats.errors import point_text
 from shellcut.mesh.mesh import Mesh
 from shellcut.numerics.connected_parts import by_first_appearance, connected_parts
 
@@ -34,18 +35,13 @@ def check_hold(mesh: Mesh, support: Bools) -> Iterator[Finding]:
         if not free:
             continue
         n_quad = int(np.isin(mesh.quads[:, 0], nodes).sum())
-        x, y, z = mesh.nodes[nodes].mean(axis=0) + 0.0
         who = f"the piece of {n_quad:,} quads" if len(pieces) > 1 else "the film"
         held = int(support[nodes].any(axis=1).sum())
-        came = (
-            f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, which has no support"
-            if held == 0
-            else f"{who} about ({x:.4g}, {y:.4g}, {z:.4g}) mm, whose {held:,} supported nodes "
-            f"leave it free to move {', '.join(free)}"
-        )
+        left = f"whose {held:,} supported nodes leave it free to move {', '.join(free)}"
         yield doubt(
             "every piece of the film must be supported, or the tool pushes it away without cutting",
-            came,
+            f"{who} about {point_text(mesh.nodes[nodes].mean(axis=0), 4)} mm, "
+            f"{left if held else 'which has no support'}",
             "clamp some of its nodes ([membrane] clamp, [[supports]], or Support in Python)",
         )
 
@@ -55,11 +51,10 @@ def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
     node = np.asarray(support[:, :3].all(axis=1))
     held = np.flatnonzero(node[sweep.mesh.quads[sweep.quad]].all(axis=1))
     if held.size:
-        x, y, z = sweep.place[held[0]]
         yield doubt(
             "the cutting edges must pass through film that can move",
             f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes "
-            f"fixed, the first at ({x:.4g}, {y:.4g}, {z:.4g}) mm",
+            f"fixed, the first at {point_text(sweep.place[held[0]], 4)} mm",
             "support fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
         )
 
@@ -116,15 +111,10 @@ def _conditions(x: Floats, directors: Floats, support: Bools) -> Floats:
     """Return the supports of a piece as rows acting on (a, w size), shape (n, 6)."""
     arms = x - x.mean(axis=0)
     arms /= float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0
-    rows = []
-    for c in range(3):
-        held = support[:, c]
-        row = np.zeros((int(held.sum()), 6))
-        row[:, c] = 1.0
-        row[:, 3:] = np.cross(arms[held], np.eye(3)[c])  # e_c · (w × r) = w · (r × e_c)
-        rows.append(row)
-        t = directors[support[:, 3 + c]]
-        row = np.zeros((len(t), 6))
-        row[:, 3:] = np.eye(3)[c] - t[:, [c]] * t
-        rows.append(row)
-    return np.concatenate(rows)
+    node, axis = np.nonzero(support[:, :3])
+    e = np.eye(3)[axis]
+    moves = np.concatenate([e, np.cross(arms[node], e)], axis=1)  # e · (w × r) = w · (r × e)
+    node, axis = np.nonzero(support[:, 3:])
+    e, t = np.eye(3)[axis], directors[node]
+    spins = e - (e * t).sum(axis=1, keepdims=True) * t
+    return np.concatenate([moves, np.concatenate([np.zeros_like(spins), spins], axis=1)])

@@ -16,9 +16,8 @@ from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_held_film, check_hold
 from .path import check_path, check_sides
 from .place import check_touch, meeting_remedy
-from .plausible import check_numbers, check_table
+from .plausible import check_numbers, check_steps, check_table
 from .row import Rows
-from .steps import check_steps
 from .strength import check_glue, check_piercing, check_strength
 from .sweep import Sweep
 

@@ -14,7 +14,7 @@ import scipy
 
 from shellcut.arrays import Bools
 from shellcut.cables.cohesive_law import CohesiveTable
-from shellcut.formats.errors import counted, named
+from shellcut.formats.errors import counted, named, point_text
 from shellcut.mesh.mesh import Mesh
 
 from .finding import Finding, doubt, note
@@ -189,13 +189,12 @@ def _attack(sweep: Sweep) -> Iterator[Finding]:
         return
     worst = int(np.argmin(np.where(astray, forward / np.maximum(speed, 1e-300), np.inf)))
     angle = float(np.degrees(np.arccos(np.clip(forward[worst] / speed[worst], -1.0, 1.0))))
-    x, y, z = sweep.place[worst] + 0.0
     yield doubt(
         f"a cutting edge must move where it points, within {np.degrees(ATTACK):.0f}°, or a "
         "blunt back or flank presses on the film",
         f"another direction on {100.0 * share:.0f} % of the path; cutting edge "
         f"{_numbers([int(sweep.chain[worst])])} moves {angle:.0f}° away from where it points at "
-        f"({x:.4g}, {y:.4g}, {z:.4g}) mm, t = {1e3 * sweep.time[worst]:.4g} ms",
+        f"{point_text(sweep.place[worst], 4)} mm, t = {1e3 * sweep.time[worst]:.4g} ms",
         "turn the tool, reverse the motion (axis of a screw, direction of a straight one), or "
         f"leave the edge out ([tool] not_cutting = [{sweep.chain[worst]}])",
     )
@@ -227,13 +226,11 @@ def _off_row(rows: Rows, sweep: Sweep, *, bound: bool) -> Iterator[Finding]:
         return
     worst = int(np.argmax(np.where(asked & np.isfinite(rows.off), rows.off, -1.0)))
     none = bool(np.isinf(rows.off[asked]).any())
-    x, y, z = sweep.place[worst] + 0.0
     came = f"no such row in {100.0 * share:.0f} % of the {len(quads):,} quads under the path"
     if rows.off[worst] > OFF_ROW:
         h = float(sweep.edge_length[worst])
-        came += (
-            f", the next one {rows.off[worst] * h:.3g} mm away at ({x:.4g}, {y:.4g}, {z:.4g}) mm"
-        )
+        where = point_text(sweep.place[worst], 4)
+        came += f", the next one {rows.off[worst] * h:.3g} mm away at {where} mm"
     yield doubt(
         "a row of sides of quads must lie under the path of the cutting edges, within "
         f"{OFF_ROW:g} of their length, since cracks follow it: without it the force is too large, "
@@ -251,11 +248,10 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
     supported = np.asarray(support.any(axis=1))
     held = np.unique(nodes[near & supported[nodes]])
     if len(held):
-        x, y, z = mesh.nodes[held[0]] + 0.0
         yield doubt(
             "no supported node may lie on the path of the cutting edges: such nodes never split, "
             "so the blade runs against them",
-            f"{counted(len(held), 'supported node')} on it, the first at ({x:.4g}, {y:.4g}, "
-            f"{z:.4g}) mm",
+            f"{counted(len(held), 'supported node')} on it, the first at "
+            f"{point_text(mesh.nodes[held[0]], 4)} mm",
             "support other nodes, or move the tool",
         )

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy
@@ -66,20 +66,6 @@ class Fate:
         return self.first is not None
 
 
-class _Path(NamedTuple):
-    """Closely spaced points of the path and of the ways ahead of its ends."""
-
-    tree: scipy.spatial.cKDTree
-    ahead: Floats
-    """How far ahead of its end each point lies, 0 on the path itself, shape (n_point,), [mm]."""
-    end: Ints
-    """Whose way ahead each lies on, -1 on the path itself, shape (n_point,)."""
-    chain: Ints
-    """Of the points on the path itself, shape (n_swept,)."""
-    owner: Ints
-    """Chain of each end, shape (n_end,)."""
-
-
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """Places where cutting edges pass through the film, in the order of chains and times.
@@ -97,8 +83,8 @@ class Sweep:
     mesh: Mesh
     duration: float
     """End of the motion [s]."""
-    n_time: int
-    """Times sampled up to ``duration``."""
+    tick: float
+    """Time between two that are sampled [s]."""
     chain: Ints
     """Chain of each place, shape (n,)."""
     time: Floats
@@ -138,7 +124,8 @@ class Sweep:
         The path is straight between two sampled times, and continues beyond its ends. Infinite if
         no edge passes through the film.
         """
-        return np.asarray(self._path.tree.query(points)[0])
+        tree, *_ = self._path
+        return np.asarray(tree.query(points)[0])
 
     def lead(self, points: Floats, crack: Ints | None = None) -> Floats:
         """Return how far points lie ahead of an end of the path, 0 beside it, shape (n,), [mm].
@@ -150,8 +137,6 @@ class Sweep:
         crack : (n,), of each point, by number; by default nothing is known of them.
         """
         tree, ahead, end, chain, owner = self._path
-        if not tree.n or not len(points):
-            return np.zeros(len(points))
         gap, nearest = tree.query(points)
         lead = np.asarray(ahead[nearest])
         off, way = np.full((2, len(owner), len(points)), np.inf)
@@ -187,16 +172,17 @@ class Sweep:
         return np.concatenate(found)
 
     @cached_property
-    def _path(self) -> _Path:
-        """The path with its ways ahead."""
+    def _path(self) -> tuple[scipy.spatial.cKDTree, Floats, Ints, Ints, Ints]:
+        """Closely spaced points of the path and of the ways ahead of its ends.
+
+        A tree of the points; how far ahead of its end each lies [mm] and whose way ahead it lies
+        on, 0 and -1 on the path itself; the chain of those on the path itself; that of each end.
+        """
         lines = [(k, *line) for k in range(len(self.fates)) for line in self._lines(k)]
-        chains, places = [self.chain], [self.place]
-        for k, line, fine in lines:
-            places.append(_filled(line, fine))
-            chains.append(np.full(len(places[-1]), k))
-        swept = scipy.spatial.cKDTree(np.concatenate(places))
-        found, ahead = [swept.data], [np.zeros(swept.n)]
-        ends, owner = [np.full(swept.n, -1)], list[int]()
+        filled = [(k, _filled(line, fine)) for k, line, fine in lines]
+        chains = [self.chain, *(np.full(len(way), k) for k, way in filled)]
+        swept = scipy.spatial.cKDTree(np.concatenate([self.place, *(way for _, way in filled)]))
+        parts, owner = [(swept.data, np.zeros(swept.n), np.full(swept.n, -1))], list[int]()
         reach = float(norm(np.ptp(self.mesh.nodes, axis=0)))
         for k, line, fine in lines:
             edge = fine / _FINE
@@ -207,18 +193,11 @@ class Sweep:
                         # As far as another edge has come, or this one on its way round.
                         met = np.flatnonzero(gap[at:] <= fine)
                         stop = at + int(met[0]) if len(met) else len(s)
-                        found.append(way[:stop])
-                        ahead.append(s[:stop])
-                        ends.append(np.full(stop, len(owner)))
+                        parts.append((way[:stop], s[:stop], np.full(stop, len(owner))))
                 owner.append(k)
-        tree = scipy.spatial.cKDTree(np.concatenate(found))
-        return _Path(
-            tree,
-            np.concatenate(ahead),
-            np.concatenate(ends),
-            np.concatenate(chains),
-            np.array(owner, np.int64),
-        )
+        found, ahead, ends = (np.concatenate(part) for part in zip(*parts, strict=True))
+        tree = scipy.spatial.cKDTree(found)
+        return tree, ahead, ends, np.concatenate(chains), np.array(owner, np.int64)
 
     def _lines(self, k: int) -> Iterator[tuple[Floats, float]]:
         """Yield the lines that one edge draws, shape (n, 3), and the spacing of points on them."""
@@ -227,13 +206,12 @@ class Sweep:
             return
         fine = _FINE * float(self.edge_length[mine].min())
         moments = np.split(mine, np.flatnonzero(np.diff(self.time[mine]) > 0.0) + 1)
-        tick = self.duration / self.n_time
         # Same number of places at the next time: an edge that passes through the film at two
         # places does so again, in the same order along the edge.
         breaks = [
             n + 1
             for n, (one, two) in enumerate(pairwise(moments))
-            if len(one) != len(two) or self.time[two[0]] - self.time[one[0]] > 1.5 * tick
+            if len(one) != len(two) or self.time[two[0]] - self.time[one[0]] > 1.5 * self.tick
         ]
         for first, last in pairwise([0, *breaks, len(moments)]):
             for line in self.place[np.array(moments[first:last])].transpose(1, 0, 2):
@@ -313,13 +291,12 @@ class _Search:
             self._plane = normal, float(product(mesh.nodes, normal).mean())
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
         self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
-        self._times, self.n_time = self._moments()
+        self._times = self._moments()
         poses = [pose_at(motion, t) for t in self._times.tolist()]
-        twists = [motion.twist(t) for t in self._times.tolist()]
         self._rotation = np.array([pose.rotation for pose in poses])
         self._translation = np.array([pose.translation for pose in poses])
-        self._spin = np.array([twist[0] for twist in twists])
-        self._velocity = np.array([twist[1] for twist in twists])
+        twists = np.array([motion.twist(t) for t in self._times.tolist()])
+        self._spin, self._velocity = twists[:, 0], twists[:, 1]
 
     def sweep(self) -> Sweep:
         found = [self._chain(k, *chain) for k, chain in enumerate(self._chains)]
@@ -329,14 +306,14 @@ class _Search:
         return Sweep(
             self._mesh,
             self._duration,
-            self.n_time,
+            float(self._times[1]),
             fates=tuple(fates),
             top_speed=max(speed for _, _, speed in found),
             flat=self._plane is not None,
             **places,
         )
 
-    def _moments(self) -> tuple[Floats, int]:
+    def _moments(self) -> Floats:
         """Return the times to sample: the tool moves by half an edge length between two."""
         points = np.concatenate([points for points, _ in self._chains])
         corners = points[np.unique([points.argmin(axis=0), points.argmax(axis=0)])]
@@ -346,7 +323,7 @@ class _Search:
         most = int(np.clip(_MOST_HEIGHTS // len(points), 20, _MOST_TIMES))
         least = min(_FEWEST_TIMES, most)
         n = int(np.clip(np.ceil(way / (0.5 * self._edge_length)), least, most))
-        return self._duration / n * np.arange(n + 1.0), n
+        return np.asarray(self._duration / n * np.arange(n + 1.0))
 
     def _heights(self, x: Floats) -> Floats:
         if self._plane is not None:
@@ -403,7 +380,7 @@ class _Search:
             return Fate(k, None, None, stays=False, passed_out=False)
         first, last = float(at[0]), float(at[-1])
         tick = float(self._times[1])
-        if last > self.n_time - 1.0:
+        if last > len(self._times) - 2.0:
             return Fate(k, first * tick, last * tick, stays=True, passed_out=False)
         after = int(np.floor(last)) + 1
         side, before = above[after], above[int(np.floor(first))]
@@ -432,8 +409,6 @@ class _Search:
     def _quad_under(self, p: Floats) -> Ints:
         """Return the quad of each place, -1 outside, shape (n,)."""
         mesh = self._mesh
-        if not len(p):
-            return np.zeros(0, np.int64)
         n = min(_NEAREST_QUADS, mesh.n_quad)
         near = np.asarray(self._tree.query(p, k=n)[1]).reshape(len(p), n)
         corner = mesh.nodes[mesh.quads[near]]  # (n, near, 4, 3)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -58,9 +58,10 @@ def check_finite(path: str | Path, points: Floats, name: Callable[[int], str]) -
         raise FileError(path, f"coordinates must be finite numbers, got {said}")
 
 
-def point_text(point: Floats) -> str:
+def point_text(point: Sequence[float] | Floats, digits: int = 6) -> str:
     """Return the coordinates of a point."""
-    return "(" + ", ".join(f"{round(value, 9) + 0.0:.6g}" for value in point.tolist()) + ")"
+    texts = (f"{round(float(value), 9) + 0.0:.{digits}g}" for value in point)
+    return f"({', '.join(texts)})"
 
 
 def read_bytes(path: str | Path, most: int | None = None) -> bytes:

@@ -39,7 +39,6 @@ _FORMAT = 36  # raise it whenever names or meaning of the saved values change
 
 _HEADER = 512  # bytes; the smallest user block HDF5 accepts
 _FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())
-_HDF5 = b"\x89HDF\r\n\x1a\n"  # start of a file without user block: format 3 and older
 _PIECE = 1 << 20  # bytes read at a time
 
 # Fields that only name or describe an input.
@@ -180,11 +179,10 @@ def _read_file(path: Path) -> dict[str, Any]:
             while piece := file.read(_PIECE):
                 digest.update(piece)
         told = _FORMAT_TOLD.match(header)
-        if (told and int(told[1]) != _FORMAT) or header.startswith(_HDF5):
-            found = f"has format {int(told[1])}" if told else "has no or an older format number"
+        if told and int(told[1]) != _FORMAT:
             raise CheckpointError(
-                f"{path} {found}; this version of shellcut reads checkpoints of format {_FORMAT}: "
-                "resume with the version that wrote it, or start a new run"
+                f"{path} has format {int(told[1])}; this version of shellcut reads checkpoints of "
+                f"format {_FORMAT}: resume with the version that wrote it, or start a new run"
             )
         if header != _header(digest.hexdigest()):
             raise CheckpointError(f"{damage} (wrong SHA-256); start a new run")

@@ -123,13 +123,12 @@ class CutFront:
     def __init__(self, sim: Simulation, until: float) -> None:
         tool = sim.tool if sim.tool is not None and sim.tool.n_edge else None
         self._chain = np.zeros(0, np.int64) if tool is None else tool.edge_chain
-        self._n_chain = 0 if tool is None else tool.n_chain
         self._rim = sim.mesh.boundary_nodes()
         self._extent = float(norm(np.ptp(sim.mesh.nodes, axis=0)))
         self._look = _LOOK_AHEAD * until
         self._motion = sim.motion_in_film(until)
         self._seen = (-1, -1, -1)
-        self._rows = np.zeros((self._n_chain, 4))
+        self._rows = np.zeros((0 if tool is None else tool.n_chain, 4))
         self._edge = None if tool is None else _EdgeLength(tool)
 
     def rows(self, sim: Simulation) -> Floats:
@@ -138,7 +137,7 @@ class CutFront:
         The last two are 0 for an edge without process zone.
         """
         seen = (sim.state.revision, sim.cables.n_joint_made, sim.cables.n_broken)
-        if self._n_chain and seen != self._seen:
+        if len(self._rows) and seen != self._seen:
             self._seen, self._rows = seen, self._read(sim)
         return self._rows
 
@@ -156,9 +155,9 @@ class CutFront:
         chain = self._chain[cable.edge[met]]
         length = cable.length[met]
         holds = cable.status[met] == JOINTED
-        rows = np.zeros((self._n_chain, 4))
-        rows[:, 0] = np.bincount(chain, length, self._n_chain)
-        rows[:, 1] = np.bincount(chain[holds], length[holds], self._n_chain)
+        rows = np.zeros_like(self._rows)
+        rows[:, 0] = np.bincount(chain, length, len(rows))
+        rows[:, 1] = np.bincount(chain[holds], length[holds], len(rows))
         ends = CrackEnds.of(sim, self._rim)
         for k in np.unique(chain[holds]).tolist():
             mine = met[holds & (chain == k)]

@@ -142,8 +142,7 @@ class Recorder:
         # One stress scale for all pictures: from 0 to the strength. Without a law the maximum is
         # not known beforehand, so each picture has its own scale.
         self._strength = None if sim.law is None else sim.law.strength
-        counts = {name: getattr(chosen, name) for name in ("n_row", "n_frame", "n_snapshot")}
-        self._schedule = Schedule.at_start(until=until, **counts)
+        self._schedule = Schedule.at_start(until, chosen)
         if chosen.resume and not (self.folder / CHECKPOINT).exists():
             raise FileNotFoundError(
                 f"{self.folder} has no {CHECKPOINT} to resume from; run it from the beginning"
@@ -152,14 +151,15 @@ class Recorder:
         self._check.say()
         self._status_due = Trigger(until / _N_STATUS)
         self._status_step = -1  # step of the last status line
-        self._progress = None
+        self._progress, self._log = None, chosen.log
         if chosen.progress:
             (first, unit), coordinate = self.resistance.columns[0], self.resistance.coordinate_name
             units = {coordinate: self.resistance.coordinate_unit, first: unit, "imbalance": "%"}
             self._progress = Progress(name, figure_units=units, log=chosen.log)
         self._unfelt = UnfeltPenetration(sim)
-        every = chosen.checkpoint_every
-        self._checkpoint_every = np.inf if every is None else every
+        self._checkpoint_every = (
+            np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
+        )
         self._checkpoint_failed = False
         self._started = self._looked = time.perf_counter()
         self._saved = self._started if chosen.resume else -np.inf
@@ -167,11 +167,12 @@ class Recorder:
 
     def _open_files(self, chosen: RunOptions, also: Sequence[str]) -> None:
         """Begin the files of the run, or resume them where its checkpoint is."""
-        columns = [(column, unit) for column, unit, _ in self._row()]
-        curve = self.resistance.columns[0][0]
-        n_node = self._sim.mesh.n_node
         self._files = RunFiles(
-            self.folder, self.name, curve, columns=columns, also=also, n_node=n_node
+            self.folder,
+            self.name,
+            columns=[(column, unit) for column, unit, _ in self._row()],
+            also=also,
+            n_node=self._sim.mesh.n_node,
         )
         with ExitStack() as on_error:
             on_error.callback(self._files.release)
@@ -204,7 +205,7 @@ class Recorder:
                 raise
         if self._progress is not None:
             if self._status_due(now) and now > 0.0:
-                self._note_status(self._progress)
+                self._note_status()
             if self._progress.wants:
                 self._show_progress(self._progress)
         clock = time.perf_counter()
@@ -356,8 +357,11 @@ class Recorder:
         if sim.between_steps and now > self._schedule.row_time:
             self._files.history.append(self._now())
         frame_due = now > self._schedule.frame_time
-        picture_due = self._can_draw and self._schedule.picture_due is not None
-        picture_due = picture_due and now > self._schedule.captured_time
+        picture_due = (
+            self._can_draw
+            and self._schedule.picture_due is not None
+            and now > self._schedule.captured_time
+        )
         if not (frame_due or picture_due):
             return
         with np.errstate(all="ignore"):
@@ -373,13 +377,14 @@ class Recorder:
     def _end_progress(self) -> None:
         if self._progress is not None:
             if self._status_step < self._sim.state.step:
-                self._note_status(self._progress)
+                self._note_status()
             self._show_progress(self._progress)
             self._progress.close()
 
-    def _note_status(self, progress: Progress) -> None:
-        share = self._sim.state.time / self._until
-        progress.status(status_line(self._sim, self.resistance, share))
+    def _note_status(self) -> None:
+        if self._log is not None:
+            share = self._sim.state.time / self._until
+            self._log(status_line(self._sim, self.resistance, share))
         self._status_step = self._sim.state.step
 
     def _show_progress(self, progress: Progress) -> None:

@@ -46,6 +46,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from shellcut.arrays import Floats, product
+from shellcut.formats.errors import point_text
 from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.supports import Support
 from shellcut.results.steady_window import INTEGRAL, WAY
@@ -220,8 +221,8 @@ class _AboutAxis:
         self._moves = any(kept.drift)
         moving = ", which moves, at the start" if self._moves else ""
         self.meaning = (
-            f"torque about the axis {_shown(kept.direction)}{moving} through "
-            f"{_shown(kept.point)} mm"
+            f"torque about the axis {point_text(kept.direction, 4)}{moving} through "
+            f"{point_text(kept.point, 4)} mm"
         )
 
     def of(self, force: _Triple, moment: _Triple, origin: _Triple, time: float) -> list[float]:
@@ -249,7 +250,7 @@ class _AlongLine:
     def __init__(self, kept: Line) -> None:
         self.columns = [("force", "N")]
         self._direction = kept.direction
-        self.meaning = f"force along {_shown(kept.direction)}"
+        self.meaning = f"force along {point_text(kept.direction, 4)}"
 
     def of(self, force: _Triple, _moment: _Triple, _origin: _Triple, _time: float) -> list[float]:
         return [0.0 - _dot(self._direction, force)]
@@ -295,7 +296,3 @@ def _moment_about(
 
 def _dot(a: _Triple, b: _Triple) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _shown(v: _Triple) -> str:
-    return f"({', '.join(f'{round(c, 12) + 0.0:.4g}' for c in v)})"

@@ -114,9 +114,8 @@ class RunFiles:
 
     Open the files with :meth:`begin` or :meth:`resume`; close them with :meth:`close` and free the
     folder with :meth:`release`. A folder that is missing is created; one in which another run
-    writes is refused. ``curve`` is the quantity plotted over the run, like ``"torque"``,
-    ``columns`` are names and units of the history, ``also`` names further files that belong to the
-    run, ``n_node`` is the size of the film.
+    writes is refused. ``columns`` are names and units of the history, the third is plotted over the
+    run; ``also`` names further files that belong to the run, ``n_node`` is the size of the film.
     """
 
     history: HistoryWriter
@@ -126,7 +125,6 @@ class RunFiles:
         self,
         folder: str | os.PathLike[str],
         name: str,
-        curve: str,
         *,
         columns: Sequence[tuple[str, str]],
         also: Sequence[str],
@@ -135,8 +133,7 @@ class RunFiles:
         if name != Path(name).name or not name.isprintable():
             raise ValueError(f"name must be the stem of a file, without a folder, got {name!r}")
         self.folder, self._name = Path(folder), name
-        self._curve, self._columns, self._also = curve, columns, also
-        self._n_node = n_node
+        self._columns, self._also, self._n_node = columns, also, n_node
         self._taken = TakenFolder(self.folder)
         self.lost = False
         """Whether the folder is no longer the one of this run."""
@@ -228,7 +225,8 @@ class RunFiles:
         self._taken.lock.close()
 
     def _last_names(self, drawn: bool) -> list[str]:
-        curves = [resistance_picture(self.folder, self._curve).name, ENERGY_PICTURE]
+        curve, _ = self._columns[2]
+        curves = [resistance_picture(self.folder, curve).name, ENERGY_PICTURE]
         return [SUMMARY, SPLITS, *(curves if drawn else ())]
 
     def _planned(self, n_snapshot: int) -> tuple[list[str], list[str]]:

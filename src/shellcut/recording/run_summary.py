@@ -16,7 +16,7 @@ from shellcut.checks.hold import check_hold
 from shellcut.checks.model_check import support_of
 from shellcut.contact.border_contact import BorderContact
 from shellcut.numerics.connected_parts import connected_parts
-from shellcut.results.run_figures import run_figures
+from shellcut.results.summary_figures import run_figures
 from shellcut.state import NOTCH, TEAR, SplitRecord
 from shellcut.state.pieces import Pieces
 
@@ -80,8 +80,9 @@ def run_summary(
         for name, value in figures.items()
         if isfinite(value)
     }
-    coordinate = r.coordinate_name, r.coordinate_unit
-    finite |= run_figures(history, coordinate, r.columns[0], end, s.splits)
+    finite |= run_figures(
+        history, (r.coordinate_name, r.coordinate_unit), r.columns[0], end, s.splits
+    )
     if sim.cracks is not None:
         finite["crack_path"] = sim.fracture.path
     if sim.between_steps:

@@ -11,6 +11,7 @@ import numpy as np
 from shellcut.numerics.trigger import Trigger
 from shellcut.results.history import Written
 
+from .run_options import RunOptions
 from .unfelt_penetration import Unfelt
 
 _N_LOOK = 100
@@ -47,12 +48,12 @@ class Schedule:
     """Wall time up to the checkpoint [s]."""
 
     @classmethod
-    def at_start(cls, *, until: float, n_row: int, n_frame: int, n_snapshot: int) -> Schedule:
+    def at_start(cls, until: float, options: RunOptions) -> Schedule:
         """Return the schedule of a new run, with equal intervals up to ``until`` [s]."""
         return cls(
-            Trigger(until / n_row),
-            Trigger(until / n_frame),
-            Trigger(until / n_snapshot) if n_snapshot else None,
+            Trigger(until / options.n_row),
+            Trigger(until / options.n_frame),
+            Trigger(until / options.n_snapshot) if options.n_snapshot else None,
             Trigger(until / _N_LOOK),
         )
 

@@ -29,24 +29,22 @@ class UnfeltPenetration:
 
     def __init__(self, sim: Simulation) -> None:
         self._sim = sim
-        self._wires = self._flanks = None
-        if sim.tool is not None and sim.contact is not None:
+        if sim.contact is not None:
             edges = next((t for t in sim.terms if isinstance(t, BorderContact)), None)
-            self._wires = ToolWires(sim.tool)
+            self._wires = ToolWires(sim.contact.tool)
             self._flanks = FlankPenetration(sim.contact, edges, self._polygon)
 
     def now(self) -> Unfelt:
         """Return the largest depths at t_n."""
-        if self._wires is None or self._flanks is None:
+        sim, contact = self._sim, self._sim.contact
+        if contact is None:
             return Unfelt()
-        sim = self._sim
         felt = felt_nodes(sim.terms)
-        cuts = sim.tool is not None and sim.tool.n_edge > 0 and sim.fracture.path == "edges"
-        if cuts and sim.cracks is not None:
+        if contact.tool.n_edge and sim.cracks is not None and sim.fracture.path == "edges":
             # A cutting edge is in the quad ahead of a tip along sides: it has come there before the
             # tip splits, and splits are looked for every few steps.
             felt = np.append(felt, sim.cracks.tip_nodes(sim.state))
-        rows = sim.contact.near.rows(sim.state) if sim.contact is not None else None
+        rows = contact.near.rows(sim.state)
         _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt, rows)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
 

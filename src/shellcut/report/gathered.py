@@ -12,8 +12,8 @@ from shellcut.frame import Frame
 from shellcut.results.comparison import Comparison
 from shellcut.results.error_bars import CONVERGED, ERROR_BARS, ErrorBars, read_error_bars
 from shellcut.results.history import read_splits
-from shellcut.results.run_figures import run_figures
 from shellcut.results.run_results import Results, history_in, result_in, summary_in
+from shellcut.results.summary_figures import run_figures
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 from shellcut.scene_page.page import spread
 
@@ -36,22 +36,16 @@ class Gathered:
     """The run compared with a measured curve."""
 
     @property
-    def coordinate(self) -> tuple[str, str]:
-        """Name and unit of the curves' abscissa."""
-        return self.results.coordinate_name, self.results.coordinate_unit
-
-    @property
-    def resistance(self) -> tuple[str, str]:
-        """Name and unit of the resistance."""
-        return self.results.resistance_name, self.results.resistance_unit
-
-    @property
     def figures(self) -> dict[str, Any]:
         """The summary; for an unfinished run, its judged values up to the last record."""
-        history, summary = self.results.history, self.results.summary
-        if summary or "tool_work" not in history:
-            return summary
-        return run_figures(history, self.coordinate, self.resistance)
+        r = self.results
+        if r.summary or "tool_work" not in r.history:
+            return r.summary
+        return run_figures(
+            r.history,
+            (r.coordinate_name, r.coordinate_unit),
+            (r.resistance_name, r.resistance_unit),
+        )
 
     @property
     def error_bars(self) -> ErrorBars | None:

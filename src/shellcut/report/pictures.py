@@ -1,4 +1,4 @@
-"""Sections with pictures: curves, crack map, snapshots, the run in three dimensions."""
+"""Sections with pictures: curves, error bars, crack map, snapshots, the run in three dimensions."""
 
 from __future__ import annotations
 
@@ -15,18 +15,25 @@ from shellcut.card import image
 from shellcut.files import run_folder
 from shellcut.files.distribution import pip_install
 from shellcut.results.energy_account import account, trusted_rows
+from shellcut.results.error_bars import COLOURS, PARTS, SIZE, WORDS, ErrorBars
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import said_of, window_of
+from shellcut.results.summary_figures import with_unit as figure_with_unit
 from shellcut.scene_page import packed_scene
 from shellcut.unit import in_unit, pretty, with_unit
 from shellcut.view import Curve, Diagram, draw_crack_map
+from shellcut.view.curves import PALETTE
 
-from .chart import ahead, chart
+from .chart import Axis, ahead, chart, panel
 from .gathered import Gathered
-from .markup import missing, sentences, table
+from .page import legend, missing, sentences, table
 
 _LARGEST = 15_000_000  # bytes that the scene may add to a report
 _N_MAP = 100  # frames read for the crack map
+_HOW = (
+    "95 % of fine answers lie within ±, the root of the sum of the squares of its parts. Each "
+    "point is a run; the bar at 0 is the value on an infinitely fine mesh."
+)
 
 
 def crack_map(run: Gathered) -> str:
@@ -79,11 +86,11 @@ def scene(run: Gathered) -> str:
     folder = escape(shlex.quote(str(run.results.folder)))
     command = f"<code>shellcut view {folder} -o FILE.html</code>"
     try:
-        packed = packed_scene(run.results, None, _LARGEST)
+        html, _, dropped = packed_scene(run.results, None, _LARGEST)
     except ValueError as error:
         return missing(f"No scene: {error}.") + f"<p>{command} writes a page with it alone.</p>"
-    said = f"<p>Every frame is in the page that {command} writes.</p>" if packed.dropped else ""
-    return packed.html + said
+    said = f"<p>Every frame is in the page that {command} writes.</p>" if dropped else ""
+    return html + said
 
 
 def resistance(run: Gathered) -> str:
@@ -92,7 +99,7 @@ def resistance(run: Gathered) -> str:
         return missing("No curve: the history is missing.")
     diagram = resistance_diagram(run.results.history, run.results.units, run.figures)
     found = run.measured
-    if found is not None and (found.x_name, found.y_name) == (run.coordinate[0], diagram.name):
+    if found is not None and (found.x_name, found.y_name) == (diagram.x_name, diagram.name):
         x, y = found.measured_curve
         measured = Curve("measured", y, "measured", x=x)
         diagram = replace(diagram, curves=[*diagram.curves, measured])
@@ -102,7 +109,7 @@ def resistance(run: Gathered) -> str:
 
 def _said_of(run: Gathered) -> str:
     """Return the meaning of the resistance, and its steady mean."""
-    first, unit = run.resistance
+    first, unit = run.results.resistance_name, run.results.resistance_unit
     figures = run.figures
     said = []
     if "resistance" in figures:
@@ -131,8 +138,38 @@ def measured(run: Gathered) -> str:
     head = ("", "measured", "simulated", "difference")
     return (
         f'{drawn}<p class="caption">{escape(found.scope())}.</p>'
-        + table([(in_unit(row.name, row.unit), *row[2:]) for row in found.rows()], head)
+        + table([(in_unit(name, unit), *cells) for name, unit, *cells in found.rows()], head)
         + sentences(("note", "note", note) for note in found.notes)
+    )
+
+
+def error_bars(found: ErrorBars | None) -> str:
+    """Return values with error bars, their runs, and what is said about them; "" without any."""
+    if found is None:
+        return ""
+    head = ("result", "value", "±", *(f"± {WORDS[part]}" for part in PARTS), "as given")
+    rows, pictures = [], []
+    for bar in found.bars:
+        had = [(run, v) for run, v in zip(found.runs, bar.values, strict=True) if v is not None]
+        band, (unit, factor) = found.diagram(bar).shown().curves[0], bar.shown
+        as_given = f"{factor * had[0][1]:.5g}"
+        rows.append((in_unit(bar.name, unit), *found.cells(bar), as_given))
+        pictures.append(
+            panel(
+                Axis(SIZE, "", np.array([run.size for run, _ in had])),
+                Axis(bar.name, unit, factor * np.array([v for _, v in had])),
+                [f"{run.name}: {figure_with_unit(bar.figure, v)}" for run, v in had],
+                colors=[PALETTE[COLOURS[run.part]] for run, _ in had],
+                lines=[(np.asarray(band.x, float), np.asarray(band.values, float), band.style)],
+            )
+        )
+    named = [(WORDS[part], PALETTE[colour]) for part, colour in COLOURS.items()]
+    return (
+        table(rows, head)
+        + legend(named)
+        + f'<div class="panels">{"".join(pictures)}</div>'
+        + sentences(("note", "note", text) for text in found.said())
+        + f'<p class="caption">{escape(_HOW)}</p>'
     )
 
 
@@ -152,7 +189,7 @@ def energy(run: Gathered) -> str:
     if trusted.sum() < 2:
         return ledger
     missed = imbalance_diagram(h, run.results.units)
-    start = with_unit(h[missed.x_name][trusted][0], run.coordinate[1])
+    start = with_unit(h[missed.x_name][trusted][0], run.results.coordinate_unit)
     missed = replace(missed, name=f"imbalance of the energies from {start} on")
     return ledger + _chart(missed, "imbalance of the energies", 170.0, trusted)
 
@@ -168,9 +205,11 @@ def _chart(
     unit = pretty(diagram.unit)
     ends = [(curve.name, np.asarray(curve.values)[-1]) for curve in diagram.curves[-3:]]
     last = ", ".join(f"{name} {end:.4g} {unit}" for name, end in ends)
-    curves = []
-    for c in diagram.curves:
-        finite = np.nan_to_num(c.values, posinf=0.0, neginf=0.0)
-        curves.append(replace(c, values=finite[rows][kept]) if c.x is None else c)
+    curves = [
+        replace(c, values=np.nan_to_num(c.values, posinf=0.0, neginf=0.0)[rows][kept])
+        if c.x is None
+        else c
+        for c in diagram.curves
+    ]
     shown = replace(diagram, x=x[kept], curves=curves)
     return chart(shown, f"Curve: {of}; at the end {last}.", height)

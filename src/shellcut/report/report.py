@@ -22,10 +22,8 @@ from shellcut.unit import LIBRARY_UNITS, in_unit, shown, with_unit
 from shellcut.view import edge_length
 
 from . import pictures
-from .error_bars import error_bars
 from .gathered import Gathered, gather
-from .markup import missing, sentences, table
-from .page import made, or_say, versions, write_page
+from .page import made, missing, or_say, sentences, table, versions, write_page
 
 _CONCLUSION, _TRUST = "Conclusion", "What may be trusted"
 _NOTHING = 5e-4  # of lengths and areas over those of the whole, of angles [deg], of numbers
@@ -88,7 +86,7 @@ def report_run(
 def _lead(run: Gathered) -> str:
     results, parts = run.results, [f"Report of the run in {run.results.folder.resolve()}"]
     if results.history:
-        name, unit = run.coordinate
+        name, unit = results.coordinate_name, results.coordinate_unit
         end = run.figures.get(f"{name}_end_{unit}", results.history[name][-1])
         parts.append(f"up to {name} {with_unit(end, unit)}")
     parts.append(f"{results.n_frame} frames")
@@ -99,7 +97,7 @@ def _lead(run: Gathered) -> str:
 
 def _sections(run: Gathered) -> dict[str, str]:
     last = or_say(run.problems, "last frame", lambda: next(iter(run.frames(1)), None))
-    resistance = run.resistance[0].capitalize() if run.results.history else "Resistance"
+    resistance = run.results.resistance_name.capitalize() if run.results.history else "Resistance"
     makers: dict[str, Callable[[], str]] = {
         _CONCLUSION: str,
         "Answers": lambda: table(rows) if (rows := answers(run.figures)) else "",
@@ -107,7 +105,7 @@ def _sections(run: Gathered) -> dict[str, str]:
         "Measured curve": lambda: pictures.measured(run),
         "Where the work went": lambda: pictures.energy(run),
         _TRUST: str,
-        "Error bars": lambda: error_bars(run.error_bars),
+        "Error bars": lambda: pictures.error_bars(run.error_bars),
         "The cut": lambda: pictures.snapshots(run),
         "In three dimensions": lambda: pictures.scene(run),
         "Crack map": lambda: pictures.crack_map(run),

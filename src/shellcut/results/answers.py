@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from itertools import chain
 from typing import Any
 
-from shellcut.formats.errors import counted
+from shellcut.formats.errors import counted, point_text
 from shellcut.unit import with_unit as number_with_unit
 
 from .energy_account import account
@@ -96,10 +96,10 @@ def _range(summary: Summary, keys: list[str]) -> str:
 def _film(summary: Summary) -> Iterator[tuple[str, str]]:
     """Yield whether a piece has come loose, and whether each glue holds, peels, or has let go."""
     if n := summary.get("n_loose"):
-        x, y, z = (summary[f"loose_{axis}_mm"] for axis in "xyz")
+        centre = point_text([summary[f"loose_{axis}_mm"] for axis in "xyz"], 4)
         pieces = "1 piece" if n == 1 else f"{n} pieces, the largest"
         area = with_unit("loose_area_mm2", summary["loose_area_mm2"])
-        yield "loose pieces", f"{pieces} of {area} about ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+        yield "loose pieces", f"{pieces} of {area} about {centre} mm"
     elif n is not None:
         yield "loose pieces", "none at the end of the run"
     ending = "_let_go_rel"
@@ -176,8 +176,9 @@ def conclusion(summary: Summary, n_doubt: int) -> str:
 def ending(summary: Summary, *, verbose: bool) -> Iterator[str]:
     """Yield the lines at the end of a run; the checks that passed are one line unless verbose."""
     lines = [Line(**line) for line in summary.get("verdict", ())]
-    kinds = ([line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note"))
-    doubts, passed, notes = kinds
+    doubts, passed, notes = (
+        [line for line in lines if line.kind == kind] for kind in ("doubt", "good", "note")
+    )
     first = [line for line in notes if line in [*single_doubts(summary)]]
     folded = first if verbose else first + repeated_notes(summary)
     left = [line for line in notes if line not in folded]

@@ -13,7 +13,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypeAlias, get_type_hints
+from typing import Annotated, Any, TypeAlias, get_type_hints
 
 import numpy as np
 
@@ -41,15 +41,11 @@ _Ratio: TypeAlias = Annotated[float, "-"]
 """Figures, with the field of :class:`Comparison` that is their unit."""
 
 
-class Row(NamedTuple):
-    """A value as text; cells are empty if a curve has no such value."""
+Row: TypeAlias = tuple[str, str, str, str, str]
+"""A value as text: its name, the unit of the next two, measured, simulated and difference.
 
-    name: str
-    unit: str
-    """Unit of the three values, except for a difference in per cent."""
-    measured: str
-    simulated: str
-    difference: str
+A cell is empty if a curve has no such value. A difference in per cent has its own unit.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,11 +121,10 @@ class Comparison:
     def __str__(self) -> str:
         """Return a small table with its scope above it and the notes below."""
         table = [("", "measured", "simulated", "difference")]
-        for row in self.rows():
-            unit = after(row.unit)
-            both = [f"{cell}{unit}" if cell else "" for cell in (row.measured, row.simulated)]
-            own = "" if row.difference.endswith(("%", "-")) else unit
-            table.append((row.name, both[0], both[1], f"{row.difference}{own}"))
+        for name, unit, measured, simulated, difference in self.rows():
+            both = [f"{cell}{after(unit)}" if cell else "" for cell in (measured, simulated)]
+            own = "" if difference.endswith(("%", "-")) else after(unit)
+            table.append((name, both[0], both[1], f"{difference}{own}"))
         width = [max(len(cells[k]) for cells in table) for k in range(4)]
         lines = [
             cells[0].ljust(width[0])
@@ -173,8 +168,8 @@ class Comparison:
         return [
             *(_row(*cells) for cells in both),
             _row("RMS difference", y, None, None, c.rms, sign=""),
-            Row("RMS difference over the peak", "-", "", "", _percent(c.rms_relative, sign="")),
-            Row("correlation", "-", "", "", correlation),
+            ("RMS difference over the peak", "-", "", "", _percent(c.rms_relative, sign="")),
+            ("correlation", "-", "", "", correlation),
         ]
 
     def to_json(self, path: str | os.PathLike[str]) -> Path:
@@ -260,7 +255,7 @@ def _row(
     unit, factor = shown(unit)
     measured, simulated = ("" if value is None else f"{factor * value:.4g}" for value in (m, s))
     difference = off if isinstance(off, str) else f"{factor * off:{sign}.4g}"
-    return Row(name, unit, measured, simulated, difference)
+    return name, unit, measured, simulated, difference
 
 
 def _percent(fraction: float, sign: str = "+") -> str:

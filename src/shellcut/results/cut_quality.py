@@ -363,11 +363,10 @@ def _pieces(frame: Frame, surface: _Surface) -> list[Piece]:
     first = np.repeat(quads[:, 0], others.shape[1])
     piece_of_node = connected_parts(first, others.ravel(), n_node)
     of_quad = piece_of_node[quads[:, 0]]
-    found = []
-    for k in np.unique(of_quad):
-        mine = np.flatnonzero(of_quad == k)
-        loose = not frame.held[quads[mine]].any()
-        found.append(Piece(mine, float(surface.area[mine].sum()), loose))
+    found = [
+        Piece(mine, float(surface.area[mine].sum()), not frame.held[quads[mine]].any())
+        for mine in (np.flatnonzero(of_quad == k) for k in np.unique(of_quad))
+    ]
     found.sort(key=lambda piece: -piece.area)
     if found and not frame.held.any():
         found[0] = Piece(found[0].quads, found[0].area, loose=False)

@@ -92,8 +92,7 @@ def energy_shares(history: Mapping[str, Floats]) -> dict[str, Floats]:
 
     Parts that are zero throughout are left out.
     """
-    shares = {part.words: part.of(history) for part in TAKEN_UP}
-    return {words: share for words, share in shares.items() if share.any()}
+    return {part.words: share for part in TAKEN_UP if (share := part.of(history)).any()}
 
 
 def energy_figures(entries: Mapping[str, float]) -> dict[str, float]:

@@ -178,11 +178,9 @@ class ErrorBars:
 
     def diagram(self, bar: ErrorBar) -> Diagram:
         """Return a value over the size of the mesh, and its error bar at none."""
-        x: list[float] = []
-        at: list[float] = []
-        for k in (-1.0, 0.0, 1.0):  # a line up with a cap at both ends and in the middle
-            x += [0.0, -_CAP, _CAP, 0.0]
-            at += [bar.value + k * bar.half_width] * 4
+        # A line up with a cap at both ends and in the middle.
+        x = np.tile([0.0, -_CAP, _CAP, 0.0], 3)
+        at = np.repeat([bar.value + k * bar.half_width for k in (-1.0, 0.0, 1.0)], 4)
         curves = [Curve("95 % of fine answers", at, "mean", x=x)]
         for part, colour in COLOURS.items():
             each = zip(self.runs, bar.values, strict=True)

@@ -10,8 +10,7 @@ Rounding to 12 bits halves the packed size of arrays.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -91,25 +90,17 @@ class Counts(NamedTuple):
         return _ends(self.quad, self.segment, self.triangle, 2 * self.crack, self.edge)
 
 
-@dataclass(frozen=True)
-class FrameGrid:
-    """One frame as one unstructured grid; the module's tables list the arrays."""
-
-    counts: Counts
-    points: Any
-    """Shape (n_point, 3), [mm]."""
-    connectivity: Any
-    """Point ids, cell after cell."""
-    types: Any
-    """VTK's type number of each cell, shape (n_cell,)."""
-    sizes: Any
-    """Number of points of each cell, shape (n_cell,)."""
-    point_arrays: Mapping[str, Any]
-    cell_arrays: Mapping[str, Any]
+Arrays: TypeAlias = dict[str, Any]
+"""Arrays by the names of their columns in a file."""
 
 
-def grid_of(frame: Frame) -> FrameGrid:
-    """Return a frame as a grid."""
+def grid_of(frame: Frame) -> tuple[Counts, Floats, Arrays, Arrays, Arrays]:
+    """Return a frame as one unstructured grid; the module's tables list its arrays.
+
+    Counts; points (n_point, 3), [mm]; cells by VTK's numbers of their types, the ids of their
+    points, cell after cell, and where in these each begins and the last one ends; arrays on the
+    points, and on the cells.
+    """
     n = Counts.of(frame)
     first_cable, first_vertex, first_end, _ = n.points
     own = is_corner(frame.quads)
@@ -143,26 +134,22 @@ def grid_of(frame: Frame) -> FrameGrid:
     for name, numbers in frame.quad_history.items():
         on_cells[_HISTORY + name] = np.zeros(n.cells[-1], np.float32)
         on_cells[_HISTORY + name][n.rows("quad")] = _rounded(numbers)
-    return FrameGrid(n, points, connectivity, types, sizes, on_points, on_cells)
+    offsets = np.append(0, np.cumsum(sizes))
+    cells = {"Types": types, "Offsets": offsets, "Connectivity": connectivity}
+    return n, points, cells, on_points, on_cells
 
 
-def frame_of(
-    counts: Counts,
-    points: Any,
-    connectivity: Any,
-    sizes: Any,
-    arrays: Mapping[str, Any],
-    **others: Any,
-) -> Frame:
-    """Return the frame of a grid, from what :class:`FrameGrid` holds and all its arrays by name.
+def frame_of(counts: Counts, grid: Arrays, arrays: Arrays, **others: Any) -> Frame:
+    """Return the frame of a grid, from its points and cells and from all its arrays.
 
     ``others`` are the fields of :class:`Frame` that a grid lacks: time, coordinate, scalars, pose.
     """
     n = counts
-    nodes, cable_ends, vertices, edge_ends = np.split(np.asarray(points, float), n.points[:-1])
-    corners = np.asarray(sizes[: n.quad], np.int64)
+    points = np.asarray(grid["Points"], float)
+    nodes, cable_ends, vertices, edge_ends = np.split(points, n.points[:-1])
+    corners = np.diff(grid["Offsets"][: n.quad + 1])
     row_ends = _ends(int(corners.sum()), 2 * n.segment, 3 * n.triangle, 4 * n.crack)
-    quads, _, triangles, flanks, _ = np.split(np.asarray(connectivity, np.int64), row_ends)
+    quads, _, triangles, flanks, _ = np.split(np.asarray(grid["Connectivity"], np.int64), row_ends)
     fields = {
         name: _field_of(rows, arrays, n.rows(rows.of))
         for name, rows in ROWS.items()

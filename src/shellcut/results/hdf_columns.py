@@ -10,7 +10,6 @@ every row, and a kill in the middle of that would lose the earlier rows too.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 import h5py
@@ -23,20 +22,15 @@ Written: TypeAlias = Literal["rows", "blocks", "packed"]
 """How the rows of a column come: singly, or in blocks, which may be packed."""
 
 
-@dataclass
 class _Column:
     """A dataset with cached properties, each of which takes HDF5 10 us to return."""
 
-    dataset: Any
-    dtype: Any
-    chunk: int
-    packed: bool
-    size: int
-
-    @classmethod
-    def of(cls, dataset: Any) -> _Column:
-        packed = dataset.compression is not None
-        return cls(dataset, dataset.dtype, dataset.chunks[0], packed, dataset.shape[0])
+    def __init__(self, dataset: Any) -> None:
+        self.dataset = dataset
+        self.dtype = dataset.dtype
+        self.chunk: int = dataset.chunks[0]
+        self.packed = dataset.compression is not None
+        self.size: int = dataset.shape[0]
 
     def aligned(self, row: int) -> int:
         return -(-row // self.chunk) * self.chunk if self.packed else row
@@ -77,7 +71,7 @@ class Columns:
             shuffle=packed,
             fletcher32=packed,
         )
-        self._columns[name] = _Column.of(dataset)
+        self._columns[name] = _Column(dataset)
 
     def link(self, alias: str, name: str) -> None:
         """Give a column a second name."""
@@ -116,6 +110,6 @@ class Columns:
     def _register(self, prefix: str, group: Any) -> None:
         for name, node in group.items():
             if isinstance(node, h5py.Dataset):
-                self._columns[prefix + name] = _Column.of(node)
+                self._columns[prefix + name] = _Column(node)
             else:
                 self._register(f"{prefix}{name}/", node)

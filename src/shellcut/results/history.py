@@ -231,10 +231,10 @@ def _parsed(content: bytes, path: Path, kinds: Mapping[str, type] | None = None)
         if n_cell != len(columns):
             raise ValueError(f"{path}, line {i + 2}: must have {len(columns)} cells, got {n_cell}")
     cells = zip(*(row.split(",") for row in rows), strict=True) if rows else [()] * len(columns)
-    values = {}
-    for (name, unit), column in zip(columns, cells, strict=True):
-        kind = (kinds or {}).get(name, float)
-        values[name] = _numbers(column, kind, path, f"{name} [{unit}]")
+    values = {
+        name: _numbers(column, (kinds or {}).get(name, float), path, f"{name} [{unit}]")
+        for (name, unit), column in zip(columns, cells, strict=True)
+    }
     return values, dict(columns)
 
 

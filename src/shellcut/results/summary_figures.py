@@ -1,20 +1,35 @@
-"""Labels and units of the values in ``summary.json``."""
+"""Values of ``summary.json``: those that the history of a run holds, labels and units of all."""
 
 from __future__ import annotations
 
 import difflib
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from shellcut.arguments import listed
+from shellcut.arrays import Floats
 from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
 from .cut_quality import LABELS as OF_THE_CUT
-from .energy_account import IMBALANCE, PUT_IN, TAKEN_UP, growth_figure
-from .steady_window import half_width_of
+from .energy_account import (
+    IMBALANCE,
+    PUT_IN,
+    TAKEN_UP,
+    energy_figures,
+    growth_figure,
+    largest_shares,
+    trusted_rows,
+)
+from .steady_window import half_width_of, steady_figures
 from .verdict import distrusted_figures
+
+if TYPE_CHECKING:
+    from shellcut.state import SplitRecord
 
 # The end of a name gives the unit; longer ones first.
 _UNITS = {
@@ -101,6 +116,7 @@ _ELSEWHERE = {
     *(f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")),
 }
 
+_OF_CABLES = "cohesive_work", "cohesive_dissipated", "cohesive_stored"
 _OF_TEETH = tuple(f"piercing_{one}" for one in ("force_1_N", "depth_1_mm", "work_1_Nmm"))
 
 
@@ -157,7 +173,11 @@ def said_of(key: str, figures: Mapping[str, Any]) -> str:
 
 def unit_of(key: str) -> str:
     """Return the unit at the end of a value's name; "" for a pure number."""
-    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+    return _UNITS.get(_ending(key), "")
+
+
+def _ending(key: str) -> str:
+    return next((ending for ending in _UNITS if key.endswith(ending)), "")
 
 
 def figure_name(name: str, figures: Mapping[str, Any]) -> str:
@@ -194,7 +214,7 @@ def known_figure(name: str, more: Iterable[str] = ()) -> str:
 
 def _spellings(key: str) -> set[str]:
     """Return a value's name, that without its unit, and its words in the reports."""
-    bare = key.removesuffix(next((ending for ending in _UNITS if key.endswith(ending)), ""))
+    bare = key.removesuffix(_ending(key))
     words = {key, bare, label_of(key, ""), OF_THE_CUT.get(key, "")}
     if key.startswith("n_"):
         words.add(f"{bare.removeprefix('n_')}s")  # what is counted: flaps, bridges
@@ -209,5 +229,78 @@ def label_of(key: str, window: str = "the steady window") -> str:
     """Return the label of a value; ``window`` says over what a mean is taken."""
     if key in LABELS:
         return LABELS[key].format(window=window)
-    ending = next((ending for ending in _UNITS if key.endswith(ending)), "")
-    return key.removesuffix(ending).removeprefix("n_").replace("_", " ")
+    return key.removesuffix(_ending(key)).removeprefix("n_").replace("_", " ")
+
+
+# --- values of a run ------------------------------------------------------------------------------
+
+
+def run_figures(
+    history: Mapping[str, Floats],
+    coordinate: tuple[str, str],
+    resistance: tuple[str, str],
+    end: Mapping[str, float] | None = None,
+    splits: Iterable[SplitRecord] = (),
+) -> dict[str, float | str]:
+    """Return the values by their names in ``summary.json``; those not finite are left out.
+
+    Coordinate and resistance are name and unit; ``end`` has the history's columns at the end of the
+    run, by default its last row.
+    """
+    end = end or {name: float(column[-1]) for name, column in history.items()}
+    x, x_unit = coordinate
+    figures = {
+        f"{x}_end_{x_unit}": end[x],
+        **energy_figures(end),
+        **{f"{name}_Nmm": end[name] for name in _OF_CABLES if name in end},
+        **largest_shares(history, trusted_rows(history)),
+        "crack_length_mm": end["crack_length"],
+        **_peak(history, coordinate, resistance),
+        **_peak(history, coordinate, ("axial_force", "N")),
+        **_piercing(splits),
+    }
+    counts = {
+        f"n_cable_{what}": int(end[f"cables_{what}"])
+        for what in ("created", "broken")
+        if f"cables_{what}" in end
+    }
+    finite = {name: value for name, value in figures.items() if isfinite(value)}
+    return {**finite, **counts, **steady_figures(history, coordinate, resistance)}
+
+
+def _piercing(splits: Iterable[SplitRecord]) -> dict[str, float]:
+    """Return force, depth and work of the tool as each cutting edge first pierces whole film.
+
+    And the largest delay of these forces, where tips pierce.
+    """
+    first: dict[int, SplitRecord] = {}
+    for record in splits:
+        if record.edge >= 0:
+            first.setdefault(record.edge + 1, record)
+    figures = (("force", "N"), ("depth", "mm"), ("work", "Nmm"))
+    told = {
+        f"piercing_{what}_{edge}_{unit}": getattr(record, what)
+        for edge, record in sorted(first.items())
+        for what, unit in figures
+    }
+    delay = max((record.delay for record in first.values()), default=0.0)
+    return told | ({"piercing_delay_rel": delay} if delay else {})
+
+
+def _peak(
+    history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
+) -> dict[str, float]:
+    """Return the value of largest magnitude, with its sign, and where it occurred.
+
+    Nothing if the history has no such column.
+    """
+    name, unit = resistance
+    values = history.get(name, np.zeros(0))
+    finite = np.flatnonzero(np.isfinite(values))
+    if not finite.size:
+        return {}
+    k = int(finite[np.argmax(np.abs(values[finite]))])
+    return {
+        f"{name}_peak_{unit.replace('*', '')}": float(values[k]),
+        f"{name}_peak_at_{coordinate[1]}": float(history[coordinate[0]][k]),
+    }

@@ -86,8 +86,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
                 + ": look at the pictures (docs/limits.md).",
             )
         )
-    order = {"doubt": 0, "good": 1, "note": 2}
-    return sorted(lines, key=lambda line: order[line.kind])
+    return [line for kind in ("doubt", "good", "note") for line in lines if line.kind == kind]
 
 
 def doubts_in(summary: Figures) -> tuple[str, ...]:
@@ -387,10 +386,8 @@ def _cut(figures: Figures) -> Iterator[Line]:
     n, off = figures.get("n_split", 0), figures.get("n_split_off_path", 0)
     torn, away = figures.get("n_tear", 0), figures.get("tear_off_path_mm")
     if torn:
-        where = (
-            "" if away is None else f" They lie within {away:.2g} mm of the path of the cutting "
-        )
-        where += "edges, or straight ahead of it." if where else ""
+        beside = "of the path of the cutting edges, or straight ahead of it"
+        where = "" if away is None else f" They lie within {away:.2g} mm {beside}."
         yield Line(
             "note",
             f"{torn:,} of {n + torn:,} cuts are tears: there the film tore without a cutting "
@@ -500,8 +497,10 @@ def _stored(figures: Figures) -> Iterator[Line]:
     if remedy := _remedies(figures, "imperfection"):
         why = "a film without imperfection stays flat"
     elif side > bent:
-        why = f"the quads along the cut have sides of {side:.3g} mm, and it folds only on sides "
-        why += f"shorter than {bent:.3g} mm"
+        why = (
+            f"the quads along the cut have sides of {side:.3g} mm, and it folds only on sides "
+            f"shorter than {bent:.3g} mm"
+        )
         remedy = " Compare it with a run on a finer film near the tool."
     else:
         return

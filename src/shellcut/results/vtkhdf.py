@@ -4,8 +4,12 @@ One temporal unstructured grid contains everything, laid out by :mod:`shellcut.r
 nodes, cables and cracks may come and go from frame to frame. Time, the frame's coordinate and its
 scalars are exact field arrays (``time [s]``, ``torque [N*mm]``). A group ``shellcut`` beside the
 grid, which VTK ignores, stores further data per frame for reading back: the number of each part,
-the tool's rotation and translation, and digests that reveal damage
-(:mod:`shellcut.results.frame_digest`).
+the tool's rotation and translation, and digests that reveal damage.
+
+Each frame has two digests, 32-bit CRCs (zlib): one of its row (time, coordinate, values, pose,
+counts, positions of its arrays, names and units) and one of its arrays. They are computed from the
+numbers as a reader gets them, and so cover everything in between: data, shapes of the columns, and
+the index of their chunks, which HDF5 itself does not protect.
 
 Offsets in the file (version 2.3 of the format; VTK 9.3.1, 9.5.2 and 9.7.2 read it back, 9.2
 silently takes all frames for one):
@@ -21,6 +25,9 @@ grows and packs the columns.
 from __future__ import annotations
 
 import os
+import zlib
+from collections.abc import Iterable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
 
@@ -32,16 +39,7 @@ from shellcut.files.hdf_target import HdfTarget
 from shellcut.frame import Frame
 from shellcut.signals import SignalsDeferred
 
-from .frame_digest import (
-    DIGESTS,
-    PLACES,
-    SIZES,
-    damaged_row,
-    described,
-    digest_of_arrays,
-    digest_of_row,
-)
-from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, FrameGrid, grid_of, is_history, series_of
+from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Arrays, Counts, grid_of, is_history, series_of
 from .hdf_columns import Columns, Written
 
 _VERSION = (2, 3)
@@ -58,8 +56,26 @@ _CELL_DATA_OFFSETS = "CellDataOffsets/part"
 _SERIES_OFFSETS = f"FieldDataOffsets/{_TIME}"
 _SERIES_SIZES = f"FieldDataSizes/{_TIME}"
 
+DIGESTS = "crc32"
+"""Column of the digests of row and arrays, beside VTK's own columns."""
+
+_PLACES = (
+    "PartOffsets",
+    "NumberOfParts",
+    "PointOffsets",
+    _CELL_DATA_OFFSETS,
+    "CellOffsets",
+    "ConnectivityIdOffsets",
+    _SERIES_OFFSETS,
+    _SERIES_SIZES,
+)
+"""Columns of ``Steps`` with the positions of a frame's arrays."""
+
+_SIZES = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+"""Columns with the lengths of the parts."""
+
 _COLUMNS: dict[str, tuple[Any, tuple[int, ...], Written]] = {
-    **dict.fromkeys(SIZES, (np.int64, (), "rows")),
+    **dict.fromkeys(_SIZES, (np.int64, (), "rows")),
     # Not packed: this column cannot start on a new chunk, see above.
     "Offsets": (np.int64, (), "blocks"),
     "Connectivity": (np.int64, (), "packed"),
@@ -99,49 +115,26 @@ class VtkHdfWriter:
 
     def __init__(self, path: str | os.PathLike[str], *, until: float | None = None) -> None:
         self.path = Path(path)
-        try:
-            with SignalsDeferred():
-                self._open(until)
-        except BaseException:
-            if hasattr(self, "_is_sound"):  # the file is open
-                self.close()
-            raise
-
-    def _open(self, until: float | None) -> None:
-        how: Literal["r+", "w"] = "w" if until is None else "r+"
-        self._target = HdfTarget(self.path, how)
-        try:
-            self._file = h5py.File(self._target, how)
-        except BaseException:
-            self._target.close()
-            raise
         self._series_names: tuple[str, ...] = ()
         self._cells_written: dict[str, Any] = {}  # cells of the last frame, as they are in the file
         self._cells_entry: dict[str, Any] = {}  # their offsets
         self._cells_sizes = [0, 0, 0]  # numbers of points, cells and ids
         self.n_frame = 0
         """Number of frames in the file."""
-        self._is_sound = False
-        if until is None:
-            self._create_new()
-        else:
-            if not is_ours(self._file) or not all(n in self._file["VTKHDF"] for n in _COLUMNS):
-                raise ValueError(
-                    f"{self.path} was not written by shellcut, or by an older version; move it "
-                    "away or start anew"
-                )
-            self._root: Any = self._file["VTKHDF"]
-            self._columns = Columns(self._root)
-            self._beside = Columns(self._file[BESIDE])
-            self._series_names = tuple(self._root.get("FieldData", ()))
-            self._drop_after(until)
-        self._is_sound = True
-
-    def __enter__(self) -> VtkHdfWriter:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        how: Literal["r+", "w"] = "w" if until is None else "r+"
+        with ExitStack() as on_signal:
+            with SignalsDeferred(), ExitStack() as on_error:
+                self._target = HdfTarget(self.path, how)
+                on_error.callback(self._target.close)
+                self._file = h5py.File(self._target, how)
+                on_error.callback(self._file.close)
+                if until is None:
+                    self._create_new()
+                else:
+                    self._open_again(until)
+                on_error.pop_all()
+                on_signal.callback(self.close)
+            on_signal.pop_all()
 
     def append(self, frame: Frame) -> None:
         """Write one frame and flush it.
@@ -152,19 +145,18 @@ class VtkHdfWriter:
         """
         self._target.check()
         with SignalsDeferred():
-            grid = grid_of(frame)
+            counts, points, cells, of_points, of_cells = grid_of(frame)
             if not self._series_names:
-                self._begin(frame, tuple(series_of(frame)), {*filter(is_history, grid.cell_arrays)})
-            entry = self._append_cells(grid)
+                self._begin(frame, tuple(series_of(frame)), {*filter(is_history, of_cells)})
+            entry = self._append_cells(cells, len(points))
             written = dict(self._cells_written)
             entry["PointOffsets"] = point = self._columns.end("Points")
-            written["Points"] = self._columns.write("Points", point, grid.points)
+            written["Points"] = self._columns.write("Points", point, points)
             entry[_CELL_DATA_OFFSETS] = cell = self._columns.end("CellData/part")
-            of_points, of_cells = grid.point_arrays, grid.cell_arrays
             for of, at, arrays in (("Point", point, of_points), ("Cell", cell, of_cells)):
                 for name, rows in arrays.items():
                     written[name] = self._columns.write(f"{of}Data/{name}", at, rows)
-            self._append_row(frame, grid, entry, digest_of_arrays(written))
+            self._append_row(frame, counts, entry, digest_of_arrays(written))
             # The frame counts only once it is completely in the file.
             self._file.flush()
             self._count(self.n_frame + 1)
@@ -177,14 +169,14 @@ class VtkHdfWriter:
         """Close the file; a second call does nothing."""
         with SignalsDeferred():
             try:
-                if self._file and self._is_sound:  # the number of frames is now final
+                if self._file:  # the number of frames is now final
                     self._file[BESIDE].attrs.modify(ENDED, np.int64(self.n_frame))  # in place
             finally:
                 self._file.close()
                 self._target.close()
 
     def _append_row(
-        self, frame: Frame, grid: FrameGrid, entry: dict[str, Any], of_arrays: int
+        self, frame: Frame, counts: Counts, entry: dict[str, Any], of_arrays: int
     ) -> None:
         k, series = self.n_frame, series_of(frame)
         entry[_SERIES_OFFSETS] = k
@@ -193,19 +185,17 @@ class VtkHdfWriter:
             self._columns.write(f"FieldData/{name}", k, np.array([value]))
         for name, value in {**entry, "Values": frame.time}.items():
             self._columns.write(f"Steps/{name}", k, np.array([value]))
-        self._beside.write("counts", k, np.array([grid.counts]))
+        self._beside.write("counts", k, np.array([counts]))
         pose = np.concatenate((frame.tool_rotation.ravel(), frame.tool_translation))
         self._beside.write("pose", k, pose[None])
-        places = np.hstack([grid.counts, *(entry[name] for name in PLACES), self._cells_sizes])
+        places = np.hstack([counts, *(entry[name] for name in _PLACES), self._cells_sizes])
         numbers = [frame.time, *(series[name] for name in sorted(series)), *pose.tolist()]
-        of_row = digest_of_row(
-            described(self._file[BESIDE].attrs, self._series_names), numbers, places.tolist()
+        of_row = _digest_of_row(
+            _described(self._file[BESIDE].attrs, self._series_names), numbers, places.tolist()
         )
         self._beside.write(DIGESTS, k, np.array([(of_row, of_arrays)]))
 
-    def _append_cells(self, grid: FrameGrid) -> dict[str, Any]:
-        connectivity, types, n_point = grid.connectivity, grid.types, len(grid.points)
-        cells = {"Types": types, "Connectivity": connectivity}
+    def _append_cells(self, cells: Arrays, n_point: int) -> dict[str, Any]:
         if n_point == self._cells_sizes[0] and all(
             np.array_equal(rows, self._cells_written[name]) for name, rows in cells.items()
         ):
@@ -213,14 +203,12 @@ class VtkHdfWriter:
         part = self._columns.end("NumberOfPoints")
         cell = self._columns.end("Types")
         first_id = self._columns.end("Connectivity")
-        self._cells_sizes = [n_point, len(types), len(connectivity)]
-        for name, size in zip(SIZES, self._cells_sizes, strict=True):
+        self._cells_sizes = [n_point, len(cells["Types"]), len(cells["Connectivity"])]
+        for name, size in zip(_SIZES, self._cells_sizes, strict=True):
             self._columns.write(name, part, np.array([size]))
-        ends = np.concatenate(([0], np.cumsum(grid.sizes)))
+        begins = {"Types": cell, "Offsets": cell + part, "Connectivity": first_id}
         self._cells_written = {
-            "Types": self._columns.write("Types", cell, types),
-            "Offsets": self._columns.write("Offsets", cell + part, ends),
-            "Connectivity": self._columns.write("Connectivity", first_id, connectivity),
+            name: self._columns.write(name, begins[name], rows) for name, rows in cells.items()
         }
         places = part, 1, (cell,), (first_id,)
         self._cells_entry = dict(zip(_OF_CELLS, places, strict=True))
@@ -273,8 +261,17 @@ class VtkHdfWriter:
             scalar_units=[frame.scalar_units[name] for name in frame.scalars],
         )
 
-    def _drop_after(self, until: float) -> None:
-        columns = self._columns
+    def _open_again(self, until: float) -> None:
+        """Drop all after this time [s] and after the last whole frame."""
+        if not is_ours(self._file) or not all(n in self._file["VTKHDF"] for n in _COLUMNS):
+            raise ValueError(
+                f"{self.path} was not written by shellcut, or by an older version; move it "
+                "away or start anew"
+            )
+        self._root = self._file["VTKHDF"]
+        self._columns = columns = Columns(self._root)
+        self._beside = Columns(self._file[BESIDE])
+        self._series_names = tuple(self._root.get("FieldData", ()))
         n_frame = int(self._root["Steps"].attrs["NSteps"])  # a killed run may have begun another
         n_frame = int(np.searchsorted(columns["Steps/Values"][:n_frame], until, side="right"))
         if damaged_row(self._root, self._file[BESIDE], n_frame) is not None:
@@ -294,7 +291,7 @@ class VtkHdfWriter:
             # The next frame may share the cells, as it does in a run that nothing interrupts.
             self._cells_entry = {name: columns[f"Steps/{name}"][k] for name in _OF_CELLS}
             part, _, (cell,), (first_id,) = self._cells_entry.values()
-            n_part, self._cells_sizes = part + 1, [columns[name][part] for name in SIZES]
+            n_part, self._cells_sizes = part + 1, [columns[name][part] for name in _SIZES]
             n_point = columns["Steps/PointOffsets"][k] + self._cells_sizes[0]
             n_cell, n_id = cell + self._cells_sizes[1], first_id + self._cells_sizes[2]
             n_cell_row = columns[f"Steps/{_CELL_DATA_OFFSETS}"][k] + self._cells_sizes[1]
@@ -304,7 +301,7 @@ class VtkHdfWriter:
                 "Connectivity": columns["Connectivity"][first_id:n_id],
             }
         ends = {
-            **dict.fromkeys(SIZES, n_part),
+            **dict.fromkeys(_SIZES, n_part),
             "Points": n_point,
             "Types": n_cell,
             "Offsets": n_cell + n_part,
@@ -325,3 +322,60 @@ def is_ours(file: Any) -> bool:
     """Whether an open file was written by this class; an older one may lack some arrays."""
     needed = ["VTKHDF/Steps", "VTKHDF/CellData/part", *(f"{BESIDE}/{name}" for name in _BESIDE)]
     return all(name in file for name in needed)
+
+
+# --- digests -------------------------------------------------------------------------------------
+
+
+def digest_of_arrays(arrays: Mapping[str, Any]) -> int:
+    """Return the digest of named arrays, in any order; their types are included."""
+    crc = 0
+    for name in sorted(arrays):
+        rows = np.ascontiguousarray(arrays[name])
+        crc = zlib.crc32(f"{name}{rows.dtype.str}{rows.shape}".encode(), crc)
+        crc = zlib.crc32(rows.reshape(-1).view(np.uint8).data, crc)
+    return crc
+
+
+def _digest_of_row(description: str, numbers: Iterable[float], places: Iterable[int]) -> int:
+    """Return the digest of a frame's row, of its :func:`_described` names and units.
+
+    The numbers are time, the series in the order of their names, pose; the places are the counts,
+    then the values of :data:`_PLACES` and :data:`_SIZES`.
+    """
+    crc = zlib.crc32(description.encode())
+    crc = zlib.crc32(np.array([*numbers], "<f8").tobytes(), crc)
+    return zlib.crc32(np.array([*places], "<i8").tobytes(), crc)
+
+
+def _described(attributes: Mapping[str, Any], series_names: Iterable[str]) -> str:
+    """Return version, names and units of a result file as one text, from its attributes."""
+    texts = [str(attributes["version"])]
+    for name in ("coordinate", "scalar_names", "scalar_units"):
+        texts += [name, *map(str, attributes[name])]
+    return "\n".join([*texts, *sorted(series_names)])
+
+
+def damaged_row(root: Any, beside: Any, n_frame: int) -> int | None:
+    """Return the first of the frames whose row has changed since it was written, None if none.
+
+    ``root`` and ``beside`` are VTK's group of the file and the library's own.
+    """
+    if not n_frame:
+        return None
+    steps, series = root["Steps"], root["FieldData"]
+    description = _described(beside.attrs, series)
+
+    def rows(column: Any) -> Any:
+        return column[:n_frame].reshape(n_frame, -1)
+
+    part = rows(steps["PartOffsets"])[:, 0]
+    sizes = [root[name][()][part][:, None] for name in _SIZES]
+    places = [rows(beside["counts"]), *(rows(steps[name]) for name in _PLACES), *sizes]
+    numbers = [rows(steps["Values"]), *(rows(series[name]) for name in sorted(series))]
+    table = np.concatenate([*numbers, rows(beside["pose"])], axis=1)
+    where = np.concatenate(places, axis=1)
+    rows_of_both = zip(table.tolist(), where.tolist(), strict=True)
+    now = np.array([_digest_of_row(description, *row) for row in rows_of_both], np.uint32)
+    wrong = np.flatnonzero(beside[DIGESTS][:n_frame, 0] != now)
+    return int(wrong[0]) if wrong.size else None

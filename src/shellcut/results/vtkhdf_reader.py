@@ -19,9 +19,8 @@ from shellcut.files.regular_file import require_regular
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
 
-from .frame_digest import DIGESTS, damaged_row, digest_of_arrays
 from .frame_grid import CELL_ARRAYS, POINT_ARRAYS, Counts, array_name, frame_of, is_history
-from .vtkhdf import BESIDE, ENDED, NOT_ENDED, is_ours
+from .vtkhdf import BESIDE, DIGESTS, ENDED, NOT_ENDED, damaged_row, digest_of_arrays, is_ours
 
 # A file may be read while its run writes: what is read then may be half old and half new, as its
 # digests tell. It is read again, so often at most, until it has not been written to for a while.
@@ -70,11 +69,9 @@ class VtkHdfReader:
     def pose(self, k: int) -> Pose | None:
         """Return the exact pose of the tool at frame ``k``, None if the frame has no tool."""
         k = self._index(k)
-
-        def read(file: Any) -> tuple[Any, Any]:
-            return Counts(*file[BESIDE]["counts"][k].tolist()), file[BESIDE]["pose"][k]
-
-        counts, row = self._settled(read)
+        counts, row = self._settled(
+            lambda file: (Counts(*file[BESIDE]["counts"][k].tolist()), file[BESIDE]["pose"][k])
+        )
         return Pose(row[:9].reshape(3, 3), row[9:]) if counts.vertex else None
 
     def _index(self, k: int) -> int:
@@ -152,15 +149,13 @@ class VtkHdfReader:
             for n in (*CELL_ARRAYS, *of_material)
             if n in on_cells
         }
-        points = rows(root["Points"], point, n_point)
-        connectivity = rows(root["Connectivity"], first_id, int(n_id))
-        cells = {
-            "Points": points,
-            "Connectivity": connectivity,
+        grid = {
+            "Points": rows(root["Points"], point, n_point),
+            "Connectivity": rows(root["Connectivity"], first_id, int(n_id)),
             "Types": rows(root["Types"], cell, n_cell),
             "Offsets": rows(root["Offsets"], int(cell) + part, n_cell + 1),
         }
-        if digest_of_arrays(cells | arrays) != int(file[BESIDE][DIGESTS][k, 1]):
+        if digest_of_arrays(grid | arrays) != int(file[BESIDE][DIGESTS][k, 1]):
             raise ResultFileError(
                 f"{self.path} is damaged: the arrays of frame {k} are not what was written"
             )
@@ -171,9 +166,7 @@ class VtkHdfReader:
         }
         return frame_of(
             counts,
-            points,
-            connectivity,
-            np.diff(cells["Offsets"]),
+            grid,
             arrays,
             time=float(self.times[k]),
             coordinate=float(self.coordinates[k]),

@@ -3,10 +3,9 @@
 May import ``results``, ``view`` and the layers below.
 """
 
-from .page import Scene, ScenePage, packed_scene, scene_scripts, spread, view_html
+from .page import ScenePage, packed_scene, scene_scripts, spread, view_html
 
 __all__ = [
-    "Scene",
     "ScenePage",
     "packed_scene",
     "scene_scripts",

@@ -13,9 +13,8 @@ import base64
 import json
 import zlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +24,7 @@ from shellcut.frame import Frame
 from shellcut.results.run_results import Results
 from shellcut.unit import shown
 from shellcut.view import Look, legend_of, title_parts, tool_creases
-from shellcut.view.fields import Field
+from shellcut.view.look import Field
 
 _LOOK = Look()
 _LEVEL = 7  # of zlib
@@ -69,9 +68,13 @@ def packed(
         for name, (table, kind) in made.items():
             rows[name].append(table(frame).astype(kind))
         for entry in legend_of([frame]):
-            switch = _CABLES.get(entry.name, entry.part)
-            part = {"part": entry.part, "switch": switch, "color": entry.color}
-            legend[entry.name] = {"name": entry.name, "area": entry.is_area} | part
+            legend[entry.name] = {
+                "name": entry.name,
+                "area": entry.is_area,
+                "part": entry.part,
+                "switch": _CABLES.get(entry.name, entry.part),
+                "color": entry.color,
+            }
         if not tool and (len(frame.tool_triangles) or len(frame.edge_points)):
             tool = _tool(frame)
     packers: dict[Any, Callable[[Rows], PackedTable]] = {
@@ -105,9 +108,9 @@ def packed(
         },
         "tool": tool,
         "legend": list(legend.values()),
-        "tables": {name: table.described() for name, table in tables.items()},
+        "tables": {name: table for name, (table, _) in tables.items()},
     }
-    return described, {name: table.data for name, table in tables.items()}
+    return described, {name: data for name, (_, data) in tables.items()}
 
 
 def as_json(described: object) -> str:
@@ -134,25 +137,13 @@ def _tool(frame: Frame) -> dict[str, Any]:
 # --- packed tables --------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class PackedTable:
-    """One table of all frames."""
+PackedTable: TypeAlias = tuple[dict[str, Any], str]
+"""One table of all frames: what unpacking needs, and the packed bytes in base64.
 
-    columns: int
-    rows: list[int]
-    """Number of rows in every frame."""
-    bytes: int
-    """Of a number, 2 or 4."""
-    low: list[float]
-    """Value of the integer 0, column by column; empty for ids."""
-    step: list[float]
-    """Value of a difference of 1, column by column; empty for ids."""
-    data: str
-    """The packed bytes in base64."""
-
-    def described(self) -> dict[str, Any]:
-        """Return what unpacking needs beside the data."""
-        return {name: value for name, value in vars(self).items() if name != "data"}
+Unpacking needs the number of ``columns``, that of ``rows`` in every frame, the ``bytes`` of a
+number, 2 or 4, and of each column the value of the integer 0, ``low``, and of a difference of 1,
+``step``; both are empty for ids.
+"""
 
 
 def pack_ids(tables: Sequence[Ints]) -> PackedTable:
@@ -196,7 +187,14 @@ def _packed(tables: Sequence[Unsigned], low: list[float], step: list[float]) -> 
         before = table
     parts.append(packer.flush())
     data = base64.b64encode(b"".join(parts)).decode("ascii")
-    return PackedTable(columns, [len(table) for table in tables], n_byte, low, step, data)
+    described = {
+        "columns": columns,
+        "rows": [len(table) for table in tables],
+        "bytes": n_byte,
+        "low": low,
+        "step": step,
+    }
+    return described, data
 
 
 def _planes(change: Unsigned) -> bytes:

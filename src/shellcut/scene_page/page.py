@@ -18,7 +18,7 @@ from shellcut.files.distribution import VERSION
 from shellcut.files.whole_file import write_text
 from shellcut.results.run_results import Results, read
 from shellcut.view import Look
-from shellcut.view.fields import fields_of
+from shellcut.view.look import fields_of
 
 from .packed_run import as_json, packed
 
@@ -48,16 +48,6 @@ class ScenePage:
     def __str__(self) -> str:
         said = f"{self.path} ({_size(self.n_byte)}), {len(self.frames)} of {self.n_frame} frames"
         return f"{said}; {self.dropped}" if self.dropped else said
-
-
-@dataclass(frozen=True)
-class Scene:
-    """A scene as a part of a page."""
-
-    html: str
-    frames: list[int]
-    dropped: str
-    """As in :class:`ScenePage`."""
 
 
 def view_html(
@@ -107,27 +97,32 @@ def view_html(
     """
     results = run if isinstance(run, Results) else read(run)
     scripts = scene_scripts()
-    scene = packed_scene(results, frames, _LARGEST - len(scripts), look)
-    dropped = f" ({scene.dropped})" if scene.dropped else ""
+    scene, numbers, dropped = packed_scene(results, frames, _LARGEST - len(scripts), look)
     html = string.Template(part(_ROOM, "page.html")).substitute(
         title=escape(f"{results.name} - the run in three dimensions"),
         heading=escape(results.name),
         style=part(_ROOM, "page.css") + part(_ROOM, "scene.css"),
-        scene=scene.html,
+        scene=scene,
         scripts=scripts,
         footer=escape(
-            f"{len(scene.frames)} of {results.n_frame} frames of "
-            f"{results.folder.resolve()}{dropped}. Written by "
+            f"{len(numbers)} of {results.n_frame} frames of {results.folder.resolve()}"
+            f"{f' ({dropped})' if dropped else ''}. Written by "
             f"shellcut {VERSION} with three.js."
         ),
     )
     write_text(Path(path), html, errors="backslashreplace")
     size = Path(path).stat().st_size
-    return ScenePage(Path(path), size, scene.frames, results.n_frame, scene.dropped)
+    return ScenePage(Path(path), size, numbers, results.n_frame, dropped)
 
 
-def packed_scene(results: Results, frames: int | None, room: int, look: Look = _LOOK) -> Scene:
-    """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be."""
+def packed_scene(
+    results: Results, frames: int | None, room: int, look: Look = _LOOK
+) -> tuple[str, list[int], str]:
+    """Return the scene of a run in at most ``room`` bytes, of fewer frames if need be.
+
+    Its HTML, the numbers of its frames, and why there are fewer than asked for; "" if there are
+    not.
+    """
     if frames is not None and frames < 1:
         raise ValueError(f"a page must have at least one frame, got frames={frames}")
     if not results.n_frame:
@@ -153,7 +148,7 @@ def packed_scene(results: Results, frames: int | None, room: int, look: Look = _
     dropped = ""
     if n < len(wanted):
         dropped = f"all {len(wanted)} frames would need {_size(whole)}, the limit is {_size(room)}"
-    return Scene(html, numbers, dropped)
+    return html, numbers, dropped
 
 
 @functools.cache

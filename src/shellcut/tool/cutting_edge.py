@@ -39,7 +39,7 @@ from .tool import Tool
 CUT_DEPTH = 4.0
 """Points farther behind the edge, in local side lengths of the film, were passed by another part of
 the tool. Nodes and cables are checked before the edge has moved by a third of a side
-(:mod:`shellcut.checks.steps`), so film that is dragged along is still found."""
+(:mod:`shellcut.checks.plausible`), so film that is dragged along is still found."""
 
 STRIP_SLOPE = 0.2
 """Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip

@@ -14,8 +14,7 @@ from shellcut.frame import JOINTED, STRAIGHT, Frame, is_corner, sides_of
 from shellcut.unit import shown, with_unit
 
 from ._raster import LAMP, Camera, Canvas, view_axes
-from .fields import at_corners
-from .look import Look
+from .look import Look, at_corners
 
 OVERSAMPLING = 2  # pixels per side averaged into one, for smooth outlines
 
@@ -201,11 +200,8 @@ def show(axes: Any, image: Floats, across: float) -> None:
     unit, factor = shown("mm")
     across *= factor
     axes.imshow(eight_bit(image), interpolation="none", aspect="equal")
-    axes.set_autoscale_on(False)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for spine in axes.spines.values():
-        spine.set_color("0.75")
+    axes.set(autoscale_on=False, xticks=[], yticks=[])
+    axes.spines[:].set_color("0.75")
     height, width = image.shape[:2]
     decade = 10.0 ** np.floor(np.log10(across / 6.0))
     length = float(decade * max(m for m in (1.0, 2.0, 5.0) if m * decade <= across / 6.0))
@@ -223,28 +219,24 @@ def show(axes: Any, image: Floats, across: float) -> None:
     )
 
 
-def color_scale(look: Look, limits: tuple[float, float]) -> Any:
-    """Return Matplotlib's map from the numbers of a field to colour."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import ListedColormap, Normalize
-
-    return ScalarMappable(Normalize(*limits), ListedColormap(look.colors()))
-
-
 def add_color_bar(
     figure: Any,
-    scale: Any,
+    look: Look,
+    limits: tuple[float, float],
     shown: Sequence[Floats],
     box: tuple[float, float, float, float],
     label: str,
 ) -> None:
     """Add the colour scale, with pointed ends where numbers shown lie beyond it."""
-    low, high = scale.get_clim()
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import ListedColormap, Normalize
+
+    low, high = limits
     below = any((values < low).any() for values in shown)
     above = any((values > high).any() for values in shown)
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}
     bar = figure.colorbar(
-        scale,
+        ScalarMappable(Normalize(low, high), ListedColormap(look.colors())),
         cax=figure.add_axes(box),
         orientation="horizontal",
         extend=extend.get((below, above), "both"),
@@ -285,8 +277,8 @@ def legend_of(frames: Sequence[Frame]) -> list[Shown]:
     return [shown for shown, is_in in _LEGEND if any(map(is_in, frames))]
 
 
-def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -> None:
-    """Add a legend of what is shown of the frames; ``where``: options of Matplotlib's."""
+def add_legend(figure: Any, frames: Sequence[Frame], look: Look) -> None:
+    """Add a legend of what is shown of the frames, in the lower right corner."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -298,5 +290,10 @@ def add_legend(figure: Any, frames: Sequence[Frame], look: Look, **where: Any) -
         if look.shows(shown.part)
     ]
     if handles:
-        where = {"loc": "lower right", "ncol": -(-len(handles) // 2), "frameon": False} | where
-        figure.legend(handles=handles, **where)
+        figure.legend(
+            handles=handles,
+            loc="lower right",
+            bbox_to_anchor=(0.995, 0.025),
+            ncols=-(-len(handles) // 2),
+            frameon=False,
+        )

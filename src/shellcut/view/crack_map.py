@@ -90,32 +90,33 @@ def draw_crack_map(
         add_lines(
             axes, factor * segments[before][..., ij], colors=_BEFORE_COLOR, label="open before"
         )
-    scale = None
     if len(segments[~before]):
-        from matplotlib.colors import Normalize
-
-        _, along = shown(last.coordinate_unit)
+        along_unit, along = shown(last.coordinate_unit)
         scale = add_lines(
             axes,
             factor * segments[~before][..., ij],
             cmap=_COLORMAP,
-            norm=Normalize(along * frames[0].coordinate, along * last.coordinate),
+            clim=(along * frames[0].coordinate, along * last.coordinate),
             array=along * opened[~before],
             linewidths=4.0,
             capstyle="round",
             zorder=3,
         )
+        beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
+        figure.colorbar(
+            scale,
+            cax=figure.add_axes(beside),
+            label=in_unit(f"opened at {last.coordinate_name}", along_unit),
+        )
     _mark_splits(axes, splits or {}, factor, ij)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.02)
-    axes.set_xlabel(in_unit("xyz"[i], unit))
-    axes.set_ylabel(in_unit("xyz"[j], unit))
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1).sum()
-    axes.set_title(f"crack of {with_unit(length, 'mm')} in {len(segments)} edges")
-    if scale is not None:
-        beside = (width - 0.8 * _RIGHT) / width, foot / height, 0.2 / width, tall / height
-        bar = figure.colorbar(scale, cax=figure.add_axes(beside))
-        bar.set_label(in_unit(f"opened at {last.coordinate_name}", shown(last.coordinate_unit)[0]))
+    axes.set(
+        xlabel=in_unit("xyz"[i], unit),
+        ylabel=in_unit("xyz"[j], unit),
+        title=f"crack of {with_unit(length, 'mm')} in {len(segments)} edges",
+    )
     _add_legend(figure, axes, columns)
     save(figure, path)
 

@@ -89,10 +89,14 @@ class Diagram:
     def shown(self) -> Diagram:
         """Return it in the units in which values are shown."""
         (x_unit, along), (unit, up) = shown(self.x_unit), shown(self.unit)
-        curves = []
-        for c in self.curves:
-            own = None if c.x is None else along * np.asarray(c.x)
-            curves.append(replace(c, values=up * np.asarray(c.values), x=own))
+        curves = [
+            replace(
+                c,
+                values=up * np.asarray(c.values),
+                x=None if c.x is None else along * np.asarray(c.x),
+            )
+            for c in self.curves
+        ]
         x = along * np.asarray(self.x)
         return replace(self, x=x, curves=curves, x_unit=x_unit, unit=unit)
 
@@ -165,14 +169,15 @@ def _draw(axes: Any, diagram: Diagram) -> None:
         named.add(curve.name)
     if diagram.zero:
         axes.axhline(0.0, color="0.6", lw=0.8)
-    axes.set_xlabel(in_unit(diagram.x_name, diagram.x_unit))
-    axes.set_ylabel(in_unit(diagram.name, diagram.unit))
+    axes.set(
+        xlabel=in_unit(diagram.x_name, diagram.x_unit),
+        ylabel=in_unit(diagram.name, diagram.unit),
+        axisbelow=True,
+    )
     axes.xaxis.get_major_locator().set_params(**({"integer": True} if diagram.whole else {}))
     axes.margins(x=0.0 if diagram.zero else 0.05)
     axes.grid(color="0.9", lw=0.8)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    axes.spines[["top", "right"]].set_visible(False)
     if len(named) > 1:  # above the diagram, because a curve may fill all its corners
         axes.legend(
             title=diagram.title,

@@ -76,7 +76,7 @@ def draw_movie(
     series = SnapshotSeries(frames, look=look, size=size)
 
     def images() -> Iterator[Image]:
-        with Progress(path.name, step_name="frames") as progress:
+        with Progress(path.name) as progress:
             progress.update(0.0, step=0)
             for k, frame in enumerate(frames, start=1):
                 yield series.image(frame)

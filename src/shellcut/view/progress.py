@@ -29,13 +29,12 @@ _ROUND_OFF = 1e-9
 
 
 class Progress:
-    """Show progress of a run, some values, its speed and the time left.
+    """Show progress of a run, some values and the time left.
 
-    Values are shown in ``figure_units``, by name, steps by their name in the plural. The stream is
-    standard error by default. On a terminal a bar is drawn in place, with as many values as fit
-    beside it, the first two of them without names. Elsewhere plain lines are written, with the
-    first two values: at most one every :data:`LINE_INTERVAL` and :data:`LINE_SHARE`. ``log``
-    receives every plain line, and the status.
+    Values are shown in ``figure_units``, by name. The stream is standard error by default. On a
+    terminal a bar is drawn in place, with as many values as fit beside it, the first two of them
+    without names. Elsewhere plain lines are written, with the first two values: at most one every
+    :data:`LINE_INTERVAL` and :data:`LINE_SHARE`. ``log`` receives every plain line.
     """
 
     def __init__(
@@ -43,14 +42,12 @@ class Progress:
         label: str,
         *,
         figure_units: Mapping[str, str] | None = None,
-        step_name: str = "steps",
         stream: TextIO | None = None,
         log: Callable[[str], None] | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._label = label
         self._figure_units = dict(figure_units or {})
-        self._step_name = step_name
         self._stream = sys.stderr if stream is None else stream
         self._log = log
         self._clock = clock
@@ -58,7 +55,7 @@ class Progress:
         self._bar: Any = None
         self._due = self._share_due = -float("inf")
         self._first: tuple[float, float] | None = None  # time, share
-        self._shown: tuple[float, int] | None = None  # time, step
+        self._shown: int | None = None  # step
         self._latest: tuple[float, int, dict[str, float]] | None = None
         self._guard(self._begin)
         self._interval = BAR_INTERVAL if self._bar else LINE_INTERVAL
@@ -71,9 +68,9 @@ class Progress:
     def update(self, share: float, *, step: int, **figures: float) -> None:
         """Show the share done and the values if a drawing is due (0.5 us otherwise).
 
-        The number of steps done gives the steps per second.
+        A number of steps done is shown once.
         """
-        if not self._alive or (self._shown is not None and step == self._shown[1]):
+        if not self._alive or step == self._shown:
             return
         now, self._latest = self._clock(), (share, step, figures)
         if now < self._due:
@@ -83,11 +80,6 @@ class Progress:
         if self._bar is not None or share >= self._share_due:
             self._due, self._share_due = now + self._interval, share + LINE_SHARE
             self._guard(self._show)
-
-    def status(self, text: str) -> None:
-        """Log a line of values at once."""
-        if self._log is not None:
-            self._log(text)
 
     def close(self) -> None:
         """Show the last update and end the display; a second call does nothing."""
@@ -124,17 +116,13 @@ class Progress:
         share, step, figures = self._latest
         now, self._latest = self._clock(), None
         began, start = self._first
-        left, speeds = [], []
+        left = []
         if start < share < 1.0:
             seconds = (now - began) * (1.0 - share) / (share - start)
             left.append(f"{duration(seconds)} left")
         values = [with_unit(v, self._figure_units.get(name, "")) for name, v in figures.items()]
         named = [f"{name} {value}" for name, value in zip(figures, values, strict=True)]
-        if self._shown is not None and now > self._shown[0] and step > self._shown[1]:
-            speed = (step - self._shown[1]) / (now - self._shown[0])
-            how_fast = f"{speed:,.0f}" if speed >= 10.0 else f"{speed:.2g}"
-            speeds.append(f"{how_fast} {self._step_name}/s")
-        self._shown = now, step
+        self._shown = step
         if self._bar:
             # The units tell the first two figures apart, the line is short.
             first = [" ".join(values[:2])] if values else []
@@ -142,7 +130,7 @@ class Progress:
             room = self._bar.console.width - taken
             # As many of the texts as the line has room for.
             text = ""
-            for one in (*first, *left, *named[2:], *speeds):
+            for one in (*first, *left, *named[2:]):
                 longer = f"{text}, {one}" if text else one
                 if len(longer) > room:
                     break

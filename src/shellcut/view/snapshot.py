@@ -23,7 +23,6 @@ from ._panel import (
     PAPER,
     add_color_bar,
     add_legend,
-    color_scale,
     edge_length,
     eight_bit,
     picture,
@@ -132,8 +131,8 @@ class SnapshotSeries:
         if look.shows("film"):
             field = look.field_of(seen[0])
             bar, label = (0.04, 0.075, 0.30, 0.02), in_unit(field.label, field.unit)
-            add_color_bar(self._figure, color_scale(look, self._limits), values, bar, label)
-        add_legend(self._figure, seen, look, bbox_to_anchor=(0.995, 0.025))
+            add_color_bar(self._figure, look, self._limits, values, bar, label)
+        add_legend(self._figure, seen, look)
         self._title = self._figure.suptitle("", fontsize=14, x=0.012, y=0.975, ha="left")
         self._left = self._figure.add_axes(box)
         self._right = self._figure.add_axes(_RIGHT_BOX) if with_edge else None
@@ -154,8 +153,9 @@ class SnapshotSeries:
 
                 at = self._camera.project(camera.centre)[:2] / OVERSAMPLING  # a circle around it
                 seen = 0.5 * min(camera.shape) / camera.scale * self._camera.scale / OVERSAMPLING
-                circle = Circle(tuple(at), seen, fill=False, ls="--", lw=1.2, ec="0.25")
-                self._left.add_patch(circle)
+                self._left.add_patch(
+                    Circle(tuple(at), seen, fill=False, ls="--", lw=1.2, ec="0.25")
+                )
         return self._figure
 
     def image(self, frame: Frame) -> npt.NDArray[np.uint8]:

@@ -12,7 +12,7 @@ from shellcut.arrays import Bools, Ints
 from shellcut.files.run_folder import HISTORY
 from shellcut.formats.errors import counted
 from shellcut.report.chart import MOST_POINTS, Axis, ahead, chart, panel
-from shellcut.report.markup import missing
+from shellcut.report.page import missing
 from shellcut.results.history import read_history
 from shellcut.results.run_curves import resistance_diagram
 from shellcut.scene_page.packed_run import as_json

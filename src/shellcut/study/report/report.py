@@ -14,9 +14,8 @@ from shellcut.card import image
 from shellcut.files.distribution import pip_install
 from shellcut.files.file_list import target
 from shellcut.files.regular_file import read_regular
-from shellcut.report.error_bars import error_bars
-from shellcut.report.markup import link_to, missing, sentences
-from shellcut.report.page import made, versions, write_page
+from shellcut.report.page import link_to, made, missing, sentences, versions, write_page
+from shellcut.report.pictures import error_bars
 from shellcut.results.error_bars import ERROR_BARS, read_error_bars
 from shellcut.scene_page.page import part
 from shellcut.study.plan import RUNS, STUDY
