@@ -162,6 +162,11 @@ def found(case: Prediction, figure: Figure, results: Results) -> Found:
             return Found(figure, math.nan, {}, n=0, words=given)
         value, parts, n = given
         return Found(figure, value, parts, n=n)
+    return mean_of(case, figure, results)
+
+
+def mean_of(case: Prediction, figure: Figure, results: Results) -> Found:
+    """Return a figure with its error bar from the runs that have it themselves."""
     values = {name: one[figure.name] for name, one in results.items() if figure.name in one}
     if not values:
         return Found(figure, math.nan, {}, n=0)
