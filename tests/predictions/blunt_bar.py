@@ -162,7 +162,7 @@ line over ℓ_b/d, at ℓ_b = 0.""",
 of theory, 1.27 d, lies just beyond the end of our error bar, 1.25 d. The error bars are 11 to 28 %,
 and not 10 % as the bands are, for three reasons:
 
-- A single run is off by 4 % or more (the picture), and the line goes from ℓ_b/d = 0.04 on to 0.
+- A single run is off by 4 % or more (the picture), and the line continues from ℓ_b/d = 0.04 to 0.
 - The power of ℓ_b/d is not known. Over its square the limits are 1.54 ± 0.13, 0.55 ± 0.07 and 1.82
   ± 0.14, so the wavelengths of both fits lie on either side of theory.
 - Behind the larger bars the wave still grows at the end of a strip of 12 diameters. Behind 18 mm

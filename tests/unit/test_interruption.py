@@ -13,6 +13,7 @@ import threading
 import time
 from contextlib import contextmanager
 
+import numba
 import pytest
 from numba.core import event
 
@@ -163,7 +164,9 @@ class _Signals(event.Listener):
 
 
 @pytest.mark.parametrize("kind", [kernel, inline])
-def test_ctrl_c_while_a_kernel_is_compiled_comes_after_that(kind):
+def test_ctrl_c_while_a_kernel_is_compiled_comes_after_that(kind, monkeypatch, tmp_path):
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))  # with nothing compiled
+
     @kind
     def halved(x):
         return 0.5 * x
