@@ -7,6 +7,7 @@ left alone.
 import gc
 import getpass
 import os
+import signal
 import sys
 import tempfile
 from pathlib import Path
@@ -129,6 +130,16 @@ def no_pictures():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "matplotlib", None)
         yield
+
+
+def pytest_runtest_teardown():
+    """Ignore closed pipes again, as Python does from its start.
+
+    Gmsh, with which some tests mesh, restores the default of C: the next write into the pipe of a
+    process that has ended would end this one, without a word.
+    """
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
 @pytest.hookimpl(wrapper=True)

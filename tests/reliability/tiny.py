@@ -51,6 +51,7 @@ def folder():
 
 def apart():
     """Let this process make all in a folder of its own, within that of its parent."""
+    folder().chmod(0o755)  # some trials are those of another user
     tempfile.tempdir = str(folder())
     folder.cache_clear()
 
