@@ -239,6 +239,11 @@ def test_a_tool_that_passes_nodes_within_a_step_is_refused_even_if_forced():
         shellcut.check_model(case.simulation, case.duration).enforce(force=True)
 
 
+def test_a_path_whose_distances_are_infinite_is_refused():
+    with np.errstate(over="ignore"), pytest.raises(ValueError, match="a run must take"):
+        shellcut.guillotine(0.8, travel=1e300)
+
+
 def test_checking_changes_nothing_and_a_film_without_a_tool_is_asked_for_numbers():
     one, two = (
         shellcut.opening_test("quick", stepping=shellcut.Stepping(fixed=1e-7)) for _ in range(2)

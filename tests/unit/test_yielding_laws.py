@@ -226,6 +226,19 @@ MODES = {  # strain, its stress; equivalent stress and strain over these; modulu
 }
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        lambda least: sc.Voce(least, 10.0, 0.05),
+        lambda least: sc.Voce(20.0, 10.0, least),
+        lambda least: sc.Swift(150.0, least, 0.2),
+    ],
+)
+def test_a_formula_that_no_table_follows_is_refused(law):
+    with pytest.raises(ValueError, match="at most 20,000 parts, needs inf: take a larger"):
+        law(5e-324)
+
+
 @pytest.mark.parametrize("kind", ["Voce", "table"])
 @pytest.mark.parametrize("mode", MODES)
 def test_monotonic_curves_are_the_hardening_itself(kind, mode):

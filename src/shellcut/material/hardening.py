@@ -42,6 +42,7 @@ FARTHEST = 100.0
 """Plastic strain at which the tables of formulae end, which no film reaches: at a tenth of it a
 strip is ten thousand times as long."""
 _FINE = 4000  # places at which the curvature is summed
+_MOST_PARTS = 20_000  # of a table: a law with a film's numbers has a hundred
 
 MOST_POINTS = 24
 """Most points of a measured curve: more would follow its noise."""
@@ -189,7 +190,7 @@ def Swift(
     # σ''/σ is n (n - 1)/(ε_0 + p)²: points at equal ratios of ε_0 + p.
     whole = math.log1p(FARTHEST / start)
     least = whole * math.sqrt(exponent * (1.0 - exponent) / (8.0 * ACCURACY))
-    count = math.ceil(max(least, 1.0))
+    count = _parts(max(least, 1.0))
     strains = [start * math.expm1(whole * k / count) for k in range(count + 1)]
     stress = [strength * math.pow(start + plastic, exponent) for plastic in strains]
     return Table(strains, stress, f"Swift, {strength:g} MPa ({start:g} + p)^{exponent:g}")
@@ -221,12 +222,23 @@ def Voce(
     fine = [0.0, *(FARTHEST * math.exp(whole * (k / _FINE - 1.0)) for k in range(_FINE + 1))]
     # |σ''|/σ times p_c². Half the accuracy: of the last part only one end is where it is curved.
     bend = np.array([gain * math.exp(-plastic / strain) / curve(plastic) for plastic in fine])
-    density = np.sqrt(bend / (8.0 * 0.5 * ACCURACY)) / strain
-    summed = np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))
-    inner = np.arange(1, math.ceil(summed[-1]))
+    with np.errstate(all="ignore"):  # of numbers that are refused below
+        density = np.sqrt(bend / (8.0 * 0.5 * ACCURACY)) / strain
+        summed = np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))
+    inner = np.arange(1, _parts(float(summed[-1])))
     strains = [0.0, *np.interp(inner, summed, fine[1:]).tolist(), FARTHEST]
     said = f"Voce, {yield_stress:g} MPa + {gain:g} MPa (1 - exp(-p/{strain:g})) + {modulus:g} MPa p"
     return Table(strains, [curve(plastic) for plastic in strains], said)
+
+
+def _parts(count: float) -> int:
+    """Return into how many parts a curve is divided; ValueError where they are too many."""
+    if not count <= _MOST_PARTS:
+        raise ValueError(
+            f"a hardening law must follow its curve within {ACCURACY:g} in at most {_MOST_PARTS:,} "
+            f"parts, needs {count:g}: take a larger yield_stress, start or strain"
+        )
+    return math.ceil(count)
 
 
 def fewer_points(
