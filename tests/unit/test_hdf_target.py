@@ -109,3 +109,22 @@ def test_who_closes_is_told_what_nobody_was_told(tmp_path):
     with pytest.raises(OSError, match=REFUSAL):
         target.close()
     target.close()
+
+
+def test_what_a_killed_process_has_overwritten_is_put_back(tmp_path):
+    path = tmp_path / "f.h5"
+    with closing(HdfTarget(path, "w")) as target:
+        target.write(b"consistent")
+        target.keep()
+        target.seek(3)
+        target.write(b"___")
+        target.write(b"___and more")
+        left = [(p.name, p.read_bytes()) for p in tmp_path.iterdir()]
+    assert [p.name for p in tmp_path.iterdir()] == ["f.h5"]
+    for name, content in left:  # as after a kill, within the note of the next bytes
+        (tmp_path / name).write_bytes(content + (b"\0" if name.endswith(".undo") else b""))
+    for mode in ("r", "r+", "r"):
+        with closing(HdfTarget(path, mode)) as target:
+            assert target.read() == b"consistent"
+    assert [p.name for p in tmp_path.iterdir()] == ["f.h5"]
+    assert path.read_bytes() == b"consistent"

@@ -5,31 +5,66 @@ the process then ends with a segmentation fault (h5py 3.16, at half of 20 sizes 
 file may also be inconsistent. HDF5 therefore writes to this object. Once the system refuses bytes,
 the file is restored to its last consistent state, and everything written since then and later is
 kept in memory, where HDF5 can read it back; :meth:`HdfTarget.check` raises the error.
+
+A process may also be killed while HDF5 changes its index, which then names what is not in the file
+yet. So whatever is overwritten is noted before in a file beside this one, FILE.undo: the size of
+the last consistent file, then offset, length and old bytes, again and again. It is there only while
+the file is not consistent. Who opens the file again puts the old bytes back; who reads it takes
+them instead.
 """
 
 from __future__ import annotations
 
 import io
 import os
+import struct
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
 from .whole_file import opened, write_all
 
+_SIZE, _PLACE = struct.Struct("<Q"), struct.Struct("<QQ")
+
+
+def _replaced(noted: bytes) -> Iterator[tuple[int, bytes]]:
+    """Yield the offsets and old bytes that were noted completely."""
+    at = _SIZE.size
+    while at + _PLACE.size <= len(noted):
+        first, n = _PLACE.unpack_from(noted, at)
+        at += _PLACE.size + n
+        if at <= len(noted):
+            yield first, noted[at - n : at]
+
 
 class HdfTarget(io.RawIOBase):
-    """A binary file, created or opened again, to pass to ``h5py.File``; close it after that."""
+    """A binary file, created, opened again or read, for ``h5py.File``; close it after that."""
 
-    def __init__(self, path: Path, mode: Literal["w", "r+"]) -> None:
-        self._path = path
-        self._file: Any = opened(path, mode)
+    def __init__(self, path: Path, mode: Literal["w", "r+", "r"]) -> None:
+        self._path, self._undo = path, path.with_name(f"{path.name}.undo")
+        self._file: Any = path.open("rb") if mode == "r" else opened(path, mode)
+        self._noted: Any = None
         self._at = 0
         self._kept = self._file.seek(0, os.SEEK_END)  # size when last consistent
+        self._is_read = mode == "r"
         self._replaced: list[tuple[int, bytes]] = []  # overwritten since then: offset, old bytes
         self._in_memory: list[tuple[int, bytes]] = []
         self._failure: OSError | None = None
         self._told = False
+        if mode == "w":
+            self._undo.unlink(missing_ok=True)
+        elif self._undo.exists():
+            noted = self._undo.read_bytes()
+            if len(noted) >= _SIZE.size:
+                (self._kept,) = _SIZE.unpack_from(noted)
+                self._replaced = list(_replaced(noted))
+            if mode == "r":
+                self._in_memory = self._replaced[::-1]  # the oldest bytes count
+            else:
+                self._restore()
+                self._replaced.clear()
+                self._undo.unlink()
 
     def check(self) -> None:
         """Raise if writing has failed."""
@@ -41,7 +76,7 @@ class HdfTarget(io.RawIOBase):
         """Mark the file as consistent now: a later failure restores this state."""
         self.check()
         self._kept = self._file.seek(0, os.SEEK_END)
-        self._replaced.clear()
+        self._forget()
 
     def sync(self) -> None:
         """Wait until everything written is on the disk."""
@@ -52,6 +87,8 @@ class HdfTarget(io.RawIOBase):
         if not self.closed:
             super().close()
             self._file.close()
+            if not self._is_read and self._failure is None:
+                self._forget()
             if not self._told:
                 self.check()
 
@@ -91,7 +128,7 @@ class HdfTarget(io.RawIOBase):
             try:
                 if self._at < self._kept:
                     old = self._stored(self._at, min(len(view), self._kept - self._at))
-                    self._replaced.append((self._at, old))
+                    self._note(self._at, old)
                 self._file.seek(self._at)
                 write_all(self._file, view)
             except OSError as failure:
@@ -125,10 +162,39 @@ class HdfTarget(io.RawIOBase):
             end = self._file.seek(0, os.SEEK_END)
             now.append((self._kept, self._stored(self._kept, end - self._kept)))
             self._in_memory = now
-            for first, old in reversed(self._replaced):
-                self._file.seek(first)
-                write_all(self._file, old)
-            self._file.truncate(self._kept)
+            self._restore()
+            self._forget()
+
+    def _note(self, first: int, old: bytes) -> None:
+        """Note bytes that are overwritten next."""
+        self._replaced.append((first, old))
+        if self._noted is None:
+            if not self._is_in_place():
+                return
+            self._noted = opened(self._undo, "w")
+            write_all(self._noted, _SIZE.pack(self._kept))
+        write_all(self._noted, _PLACE.pack(first, len(old)) + old)
+
+    def _is_in_place(self) -> bool:
+        """Return whether nobody has moved the file, or its folder, away."""
+        with suppress(FileNotFoundError):
+            return os.path.samestat(self._path.stat(), os.fstat(self._file.fileno()))
+        return False
+
+    def _restore(self) -> None:
+        """Restore the last consistent file."""
+        for first, old in reversed(self._replaced):
+            self._file.seek(first)
+            write_all(self._file, old)
+        self._file.truncate(self._kept)
+
+    def _forget(self) -> None:
+        """Drop what was overwritten: the file is consistent."""
+        self._replaced.clear()
+        if self._noted is not None:
+            self._noted.close()
+            self._noted = None
+            self._undo.unlink(missing_ok=True)
 
     def _stored(self, first: int, n: int) -> bytes:
         """Return up to ``n`` bytes from the disk."""
@@ -140,5 +206,7 @@ class HdfTarget(io.RawIOBase):
         return b"".join(pieces)
 
     def _size(self) -> int:
+        if self._is_read:
+            return self._kept
         ends = (first + len(data) for first, data in self._in_memory)
         return max(int(self._file.seek(0, os.SEEK_END)), *ends, 0)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +16,7 @@ import h5py
 import numpy as np
 
 from shellcut.arrays import Floats
+from shellcut.files.hdf_target import HdfTarget
 from shellcut.files.regular_file import require_regular
 from shellcut.frame import Frame
 from shellcut.tool.pose import Pose
@@ -85,8 +87,8 @@ class VtkHdfReader:
         require_regular(self.path)
         for _ in range(_MOST_TRIES):
             try:
-                # By the system's file, not by HDF5's own, which locks it and may have it open here.
-                with self.path.open("rb") as raw, h5py.File(raw, "r") as file:
+                # Not by HDF5's own file, which locks it and may have it open here.
+                with closing(HdfTarget(self.path, "r")) as raw, h5py.File(raw, "r") as file:
                     return read(file)
             except Exception as error:  # whatever HDF5 makes of damage: sizes, types, names
                 failed = error
