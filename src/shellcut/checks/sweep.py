@@ -411,8 +411,8 @@ class _Search:
         mesh = self._mesh
         n = min(_NEAREST_QUADS, mesh.n_quad)
         near = np.asarray(self._tree.query(p, k=n)[1]).reshape(len(p), n)
-        lost = near == mesh.n_quad  # of a place so far away that its distances are infinite
-        near[lost] = 0
+        # A place so far away that its distances are infinite is under none, so any will do.
+        near = np.minimum(near, mesh.n_quad - 1)
         corner = mesh.nodes[mesh.quads[near]]  # (n, near, 4, 3)
         normal = self._normals[near][:, :, None]
         side = np.roll(corner, -1, axis=2) - corner
@@ -420,7 +420,7 @@ class _Search:
         off = ((p[:, None, None] - corner) * inward).sum(axis=-1).min(axis=-1)
         height = ((p[:, None] - self._centres[near]) * normal[:, :, 0]).sum(axis=-1)
         size = self._size[near]
-        inside = (off >= -_BORDER * size) & (np.abs(height) <= _OFF_QUAD * size) & ~lost
+        inside = (off >= -_BORDER * size) & (np.abs(height) <= _OFF_QUAD * size)
         best = inside.argmax(axis=1)
         rows = np.arange(len(p))
         return np.where(inside[rows, best], near[rows, best], -1)
