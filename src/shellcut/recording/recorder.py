@@ -212,6 +212,7 @@ class Recorder:
         if clock - self._looked >= _LOOK_EVERY:
             self._looked = clock
             self._files.look()
+            self._files.frames.check()
         if clock - self._saved >= self._checkpoint_every:
             self._save_checkpoint()
 
@@ -262,13 +263,12 @@ class Recorder:
             self._files.give_up()
 
     def _end_records(self) -> None:
+        self._files.look()
         if not self._sim.between_steps:  # the error of the failed step is the one to be raised
             try:
                 self._files.frames.settle()
             except ValueError as problem:
                 _log.warning("the last frame before the end could not be made: %s", problem)
-        if not self._has_failed():
-            self._files.look()
         # A run that failed within a step, or lost a frame, resumes from its last checkpoint.
         if self._sim.between_steps and not (self._files.lost or self._files.frames.failed):
             self._save_checkpoint()

@@ -193,7 +193,6 @@ class RunFiles:
 
         Raises FolderLost if they are not: further output would be lost.
         """
-        self.frames.check()
         self.lost = True
         # Those of another run that began here since are told by its lock.
         if not (self.history.path.exists() and result_file(self.folder, self._name).exists()):
