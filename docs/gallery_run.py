@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 import shellcut
-from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.frame_capture import frame_of
 from shellcut.view import Look, png_of
 
 QUICK = {
@@ -94,6 +94,5 @@ def _last_frame(block_vars):
             return run.frame(-1)
     for value in block_vars["example_globals"].values():
         if isinstance(value, shellcut.Simulation) and value.state.time > 0.0:
-            exposed = Exposure.of(value, coordinate=0.0, coordinate_name="", coordinate_unit="")
-            return exposed.frame()
+            return frame_of(value, coordinate=0.0, coordinate_name="", coordinate_unit="")
     return None

@@ -7,7 +7,7 @@ needs no compiler: nothing here imports Numba.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Annotated, Any, get_type_hints
 
@@ -245,10 +245,20 @@ class Frame:
         object.__setattr__(self, "scalars", MappingProxyType(scalars))
         object.__setattr__(self, "scalar_units", MappingProxyType(dict(self.scalar_units)))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how to make it again: a mapping that is read only cannot be pickled."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        plain = {k: dict(v) if isinstance(v, Mapping) else v for k, v in values.items()}
+        return _of_fields, (type(self), plain)
+
     @property
     def displacement(self) -> Floats:
         """Displacement, shape (n_node, 3), [mm]."""
         return self.points - self.reference
+
+
+def _of_fields(kind: type[Frame], values: Mapping[str, Any]) -> Frame:
+    return kind(**values)
 
 
 def is_corner(quads: Ints) -> Bools:

@@ -309,6 +309,11 @@ def showing(units: str) -> Iterator[None]:
         _WANTED.reset(before)
 
 
+def units_shown() -> str:
+    """Return the units of the present :func:`showing`, "" outside of one."""
+    return _WANTED.get()
+
+
 def shown(unit: str) -> tuple[str, float]:
     """Return the unit in which numbers in ``unit`` are shown, and the factor to it."""
     named = {parsed(text)[1]: text.strip() for text in _WANTED.get().split(",") if text.strip()}

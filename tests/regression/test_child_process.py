@@ -5,10 +5,12 @@ import time
 
 import pytest
 
+from shellcut import child_process
+from shellcut.child_process import Child, ChildDied
 from shellcut.files.folder_lock import FolderInUse, FolderLock
 from shellcut.files.run_folder import CHECKPOINT
-from shellcut.study import child_process
-from shellcut.study.child_process import ChildDied, run_in_child
+from shellcut.study import engines
+from shellcut.study.engines import run_in_child
 from shellcut.study.one_run import outcome_in, run_one
 from shellcut.study.plan import Definition
 from shellcut.study.study import _tasks
@@ -20,7 +22,7 @@ WAIT = 120.0  # s: of another process, on a machine with much else to do
 @pytest.fixture(autouse=True)
 def no_child_left():
     yield
-    vars(child_process._of_thread).clear()
+    vars(engines._of_thread).clear()
 
 
 def task_in(folder, **settings):
@@ -57,13 +59,13 @@ def figures_of(outcome):
 def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monkeypatch):
     made = []
 
-    class Noted(child_process._Child):
+    class Noted(Child):
         def __init__(self):
             super().__init__()
             made.append(self)
 
-    monkeypatch.setattr(child_process, "_Child", Noted)
-    # What an environment prints at the start of Python does not come between the outcomes.
+    monkeypatch.setattr(engines, "Child", Noted)
+    # What an environment prints at the start of Python does not come between the results.
     monkeypatch.setattr(child_process, "_BEGIN", f"print('I am here'); {child_process._BEGIN}")
     task, _ = task_in(tmp_path / "child")
 
@@ -89,7 +91,7 @@ def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monk
     # It ends with its thread, and here with what the thread has.
     process = made[2]._process
     made.clear()
-    vars(child_process._of_thread).clear()
+    vars(engines._of_thread).clear()
     until(lambda: process.poll() is not None)
     assert process.returncode == 0
 
@@ -97,8 +99,8 @@ def test_a_child_that_dies_is_replaced_and_one_that_lives_is_kept(tmp_path, monk
 def test_a_child_whose_worker_is_killed_stops_with_a_checkpoint(tmp_path):
     # A run of many seconds: within one of them a run sees that it must stop.
     task, folder = task_in(tmp_path, **{"membrane.size": 0.2})
-    child = child_process._Child()
-    child._give(task)
+    child = Child()
+    child.begin(run_one, task)
     until(lambda: is_held(folder))
     child._process.stdin.close()  # as the system does when the worker is killed
     until(lambda: not is_held(folder))

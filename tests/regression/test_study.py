@@ -14,7 +14,7 @@ from functools import partial
 import pytest
 
 import shellcut as sc
-from shellcut.study import child_process
+from shellcut.study import engines
 from shellcut.study.one_run import STOP
 from small_disk import REFUSAL, files_of_at_most
 from tiny_study import ANGLES, SETTINGS, done_at, in_words
@@ -76,12 +76,12 @@ def test_a_second_call_runs_nothing_and_more_values_run_only_themselves(done, pa
 def test_processes_give_the_same_table_though_one_is_killed(done, part, monkeypatch):
     children, killed = [], []
 
-    class Noted(child_process._Child):
-        def run(self, task):
+    class Noted(engines.Child):
+        def begin(self, *call):
             children.append(self)
-            return super().run(task)
+            super().begin(*call)
 
-    monkeypatch.setattr(child_process, "_Child", Noted)
+    monkeypatch.setattr(engines, "Child", Noted)
 
     def say(line):
         if line.startswith("[2/"):

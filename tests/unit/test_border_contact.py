@@ -270,6 +270,7 @@ def test_waiting_misses_nothing():
         for t in (looks.contact, term(looks)):
             if t.tables is not None:
                 t.tables.table.queries.until[:] = 0.0
+                t.tables.table.queries.free[:] = 0.0
         waits.step()
         looks.step()
         table = term(waits).tables.table

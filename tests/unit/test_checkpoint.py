@@ -25,6 +25,7 @@ from shellcut.models import Case
 from shellcut.recording.checkpoint import CheckpointError
 from shellcut.recording.cut_front import CutFront
 from shellcut.recording.recorder import RunEnded
+from shellcut.recording.run_files import RunFiles
 from shellcut.results.history import read_history
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
@@ -408,21 +409,20 @@ def assert_same_pictures(part, whole):
         assert (part / name).read_bytes() == (whole / name).read_bytes()
 
 
-def test_a_picture_that_does_not_fit_is_drawn_when_the_run_goes_on(pictured, tmp_path, monkeypatch):
+def test_a_picture_that_could_not_be_written_is_drawn_later(pictured, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", matplotlib)
-    draw = shellcut.recording.recorder.draw_scene
+    with monkeypatch.context() as patch:
+        at = RunFiles.new_picture
 
-    def full(path, *given, **options):
-        if path.stem == "snapshot_01":
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-        draw(path, *given, **options)
+        def nowhere(files, number):
+            path = at(files, number)
+            return path.parent / "missing" / path.name if number == 1 else path
 
-    # The error of the other thread ends the run.
-    monkeypatch.setattr(shellcut.recording.recorder, "draw_scene", full)
-    with pytest.raises(OSError, match=r"No space left.*snapshot_01"):
-        Case("cut", still(), 8e-6).run(tmp_path, **PICTURES)
+        # The error of the other process ends the run.
+        patch.setattr(RunFiles, "new_picture", nowhere)
+        with pytest.raises(FileNotFoundError, match="missing"):
+            Case("cut", still(), 8e-6).run(tmp_path, **PICTURES)
     assert not (tmp_path / "summary.json").exists()
-    monkeypatch.setattr(shellcut.recording.recorder, "draw_scene", draw)
     resumed(tmp_path, still(), 8e-6)
     assert_same_pictures(tmp_path, pictured)
     assert (tmp_path / "history.csv").read_bytes() == (pictured / "history.csv").read_bytes()

@@ -10,7 +10,7 @@ from opening_frame import RADIUS, disc, opening_frame
 from shellcut import Mesh, ShellMaterial, Simulation
 from shellcut.fracture.open_edges import crack_edges
 from shellcut.mesh.structured import rectangle
-from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.frame_capture import frame_of
 from shellcut.results.cut_quality import UNITS, cut_quality
 
 N_X, N_Y = 10, 8  # quads of 1 mm
@@ -23,9 +23,9 @@ def node(x, y):
     return int(found)
 
 
-def frame_of(mesh, points=None, held=()):
+def still_frame(mesh, points=None, held=()):
     sim = Simulation(mesh, ShellMaterial.homogeneous())
-    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
+    frame = frame_of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
     points = mesh.nodes if points is None else points
     on = np.isin(np.arange(mesh.n_node), held)
     return dataclasses.replace(frame, points=points, held=on)
@@ -58,7 +58,7 @@ def turned(mesh, quads, angle, *, about, axis):
 
 
 def test_an_uncut_film_is_one_piece_that_holds():
-    quality = cut_quality(frame_of(SHEET, held=[0]))
+    quality = cut_quality(still_frame(SHEET, held=[0]))
     figures = quality.figures()
     assert set(figures) == set(UNITS)
     assert figures.pop("n_piece") == 1
@@ -71,7 +71,7 @@ def test_a_straight_crack_and_the_width_of_its_slit():
     points = mesh.nodes.copy()
     twin = mesh.origin != np.arange(mesh.n_node)
     points[twin, 2] += 0.6  # three nodes of the upper flank: half of it at the two edges outside
-    figures = cut_quality(frame_of(mesh, points)).figures()
+    figures = cut_quality(still_frame(mesh, points)).figures()
     assert figures["crack_length"] == pytest.approx(4.0, rel=EXACT)
     assert figures["slit_width_largest"] == pytest.approx(0.6, rel=EXACT)
     assert figures["slit_width_mean"] == pytest.approx((0.3 + 0.6 + 0.6 + 0.3) / 4, rel=EXACT)
@@ -81,18 +81,18 @@ def test_a_straight_crack_and_the_width_of_its_slit():
 
 
 def test_bridges_between_cracks():
-    quality = cut_quality(frame_of(cut(straight(2, 4), straight(7, 9))))
+    quality = cut_quality(still_frame(cut(straight(2, 4), straight(7, 9))))
     (bridge,) = quality.bridges
     assert bridge.width == pytest.approx(3.0, rel=EXACT)
     np.testing.assert_allclose(np.sort(bridge.ends[:, 0]), [4.0, 7.0], atol=EXACT)
-    quality = cut_quality(frame_of(cut(straight(0, 3), straight(10, 8))))
+    quality = cut_quality(still_frame(cut(straight(0, 3), straight(10, 8))))
     assert [bridge.width for bridge in quality.bridges] == [pytest.approx(5.0, rel=EXACT)]
     assert quality.flaps == ()
     mesh = cut(straight(2, 8))
     at, twin = np.flatnonzero(mesh.origin == node(5, Y0 + 4))
     quads = np.where(mesh.quads == twin, at, mesh.quads)  # sewn together again
     sewn = {"quads": quads, "crack_edges": crack_edges(quads, mesh.origin)}
-    quality = cut_quality(dataclasses.replace(frame_of(mesh), **sewn))
+    quality = cut_quality(dataclasses.replace(still_frame(mesh), **sewn))
     assert len(quality.cracks) == 2
     assert [bridge.width for bridge in quality.bridges] == [0.0]
     assert quality.crack_length == pytest.approx(6.0, rel=EXACT)
@@ -113,7 +113,7 @@ def test_a_flap_turned_about_its_hinge(angle):
     mesh = cut(U_SHAPE)
     tongue = within(mesh, (3, 6), (2, 5))
     points = turned(mesh, tongue, angle, about=[3, Y0, 0], axis=[0, 1, 0])
-    quality = cut_quality(frame_of(mesh, points))
+    quality = cut_quality(still_frame(mesh, points))
     (flap,) = quality.flaps
     assert flap.quads.tolist() == tongue.tolist()
     assert flap.area == pytest.approx(9.0, rel=EXACT)
@@ -129,7 +129,7 @@ def test_a_bent_flap_is_steeper_than_its_mean():
     points = mesh.nodes.copy()
     ids = np.unique(mesh.quads[within(mesh, (3, 6), (2, 5))])
     points[ids, 2] = 0.1 * (points[ids, 0] - 3.0) ** 2  # slopes 0.1, 0.3, 0.5
-    (flap,) = cut_quality(frame_of(mesh, points)).flaps
+    (flap,) = cut_quality(still_frame(mesh, points)).flaps
     assert flap.steepest == pytest.approx(np.degrees(np.arctan(0.5)), rel=1e-10)
     assert flap.angle == pytest.approx(np.degrees(np.arctan(0.3)), rel=1e-10)
 
@@ -141,7 +141,7 @@ SQUARE = [(3, 2), (4, 2), (5, 2), (6, 2), (6, 3), (6, 4), (5, 4), (4, 4), (3, 4)
 @pytest.mark.parametrize("held", ["rim", "nothing"])
 def test_a_patch_cut_out_is_loose(held):
     mesh = cut([*SQUARE, SQUARE[0]])
-    quality = cut_quality(frame_of(mesh, held=[node(0, Y0)] if held == "rim" else []))
+    quality = cut_quality(still_frame(mesh, held=[node(0, Y0)] if held == "rim" else []))
     rest, patch = quality.pieces
     assert (rest.loose, patch.loose) == (False, True)
     assert patch.area == pytest.approx(6.0, rel=EXACT)
@@ -158,7 +158,7 @@ def test_the_last_bridge_of_a_cut_out_and_how_far_it_has_tipped():
     mesh = cut(SQUARE)
     patch = within(mesh, (3, 6), (2, 4))
     points = turned(mesh, patch, 25.0, about=[3, Y0, 0], axis=[0, 1, 0])
-    quality = cut_quality(frame_of(mesh, points, held=[node(0, Y0)]))
+    quality = cut_quality(still_frame(mesh, points, held=[node(0, Y0)]))
     # At the corner (3, 2) the crack arrives along x, so its ends do not face each other there: the
     # flap tells of the hinge, 1 mm long.
     (flap,) = quality.flaps
@@ -204,8 +204,8 @@ def test_a_single_arc_has_a_bridge_once_it_faces_itself():
     mesh = Mesh.from_arrays(nodes, quads)
     on = np.flatnonzero(np.abs(np.hypot(*nodes.T) - RADIUS) < 1e-9)
     on = on[np.argsort(np.arctan2(*nodes[on].T[::-1]))]  # 64 nodes
-    assert cut_quality(frame_of(mesh.cut(on[:15]))).bridges == ()
-    quality = cut_quality(frame_of(mesh.cut(on[:49])))
+    assert cut_quality(still_frame(mesh.cut(on[:15]))).bridges == ()
+    quality = cut_quality(still_frame(mesh.cut(on[:49])))
     (bridge,) = quality.bridges
     # Up to half the turn of an edge in the direction of each end.
     assert bridge.width == pytest.approx(2 * np.pi * RADIUS / 4, rel=0.02)
@@ -214,7 +214,7 @@ def test_a_single_arc_has_a_bridge_once_it_faces_itself():
 
 
 def test_branches_and_loops_are_one_crack():
-    quality = cut_quality(frame_of(cut(straight(2, 8), [(5, 4), (5, 5), (5, 6)])))
+    quality = cut_quality(still_frame(cut(straight(2, 8), [(5, 4), (5, 5), (5, 6)])))
     assert len(quality.cracks) == 1
     assert quality.crack_length == pytest.approx(8.0, rel=EXACT)
     (line,) = quality.cracks
@@ -225,7 +225,7 @@ def test_branches_and_loops_are_one_crack():
         ring = [(x + i, 2) for i in range(3)] + [(x + 2, 3), (x + 2, 4), (x + 1, 4), (x, 4), (x, 3)]
         return [*ring, ring[0]]
 
-    quality = cut_quality(frame_of(cut(straight(3, 7, y=3), around(1), around(7)), held=[0]))
+    quality = cut_quality(still_frame(cut(straight(3, 7, y=3), around(1), around(7)), held=[0]))
     assert len(quality.cracks) == 1
     assert quality.crack_length == pytest.approx(4.0 + 2 * 8.0, rel=EXACT)
     assert quality.cutout.area == pytest.approx(4.0, rel=EXACT)

@@ -1,8 +1,5 @@
 """Frames and files of a run with cracks through quads."""
 
-from collections.abc import Mapping
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
@@ -12,7 +9,7 @@ from shellcut.frame import is_corner, sides_of
 from shellcut.material import Elastic, Layer, Linear, Plastic, ShellMaterial
 from shellcut.models.case import Case
 from shellcut.recording.cut_front import CrackEnds, CutFront
-from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.frame_capture import frame_of
 from shellcut.results.cut_quality import cut_quality
 from shellcut.results.frame_grid import POLYGON, grid_of
 from shellcut.state import JOINTED
@@ -34,7 +31,7 @@ def cut():
 
 
 def test_polygons_cover_the_film_and_each_has_its_share(cut):
-    frame, s = Exposure.of(cut, **WHERE).frame(), cut.state
+    frame, s = frame_of(cut, **WHERE), cut.state
     x, y = frame.reference[frame.quads][..., :2].transpose(2, 0, 1)
     areas = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
     shares = s.quad.share[: s.n_quad] * cut.mesh.quad_areas()[s.quad.parent[: s.n_quad]]
@@ -45,7 +42,7 @@ def test_polygons_cover_the_film_and_each_has_its_share(cut):
 
 
 def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
-    frame, s = Exposure.of(cut, **WHERE).frame(), cut.state
+    frame, s = frame_of(cut, **WHERE), cut.state
     assert np.unique(frame.quads).tolist() == list(range(len(frame.points)))
     flank, real = s.flank.node[: s.flank.count], s.node.real[: s.n_node].copy()
     assert flank.size > 4
@@ -55,7 +52,7 @@ def test_no_virtual_node_and_no_flank_point_is_drawn(cut):
 
 
 def test_outlines_meet_point_by_point(cut):
-    frame = Exposure.of(cut, **WHERE).frame()
+    frame = frame_of(cut, **WHERE)
     sides = np.sort(sides_of(frame.quads), axis=1)
     sides, count = np.unique(sides, axis=0, return_counts=True)
     assert count.max() == 2
@@ -72,9 +69,9 @@ def test_outlines_meet_point_by_point(cut):
 
 
 def test_crack_is_as_long_as_the_cuts(cut):
-    frame = Exposure.of(cut, **WHERE).frame()
+    frame = frame_of(cut, **WHERE)
     quality = cut_quality(frame)
-    before = cut_quality(Exposure.of(cut_strip(), **WHERE).frame()).crack_length
+    before = cut_quality(frame_of(cut_strip(), **WHERE)).crack_length
     assert before == pytest.approx(1.2)  # to the first side at or beyond the notch's end
     assert before > NOTCH
     assert quality.crack_length == pytest.approx(before + cut.state.crack_length, rel=1e-9)
@@ -89,7 +86,7 @@ def test_frames_and_records_of_a_run_come_back_from_the_files(tmp_path):
     sim = cut_strip()
     Case("strip", sim, 2.2e-4).run(tmp_path, n_snapshot=2, n_frame=4, curves=False, progress=False)
     results = sc.read(tmp_path)
-    frame, now = results.frame(-1), Exposure.of(sim, **WHERE).frame()
+    frame, now = results.frame(-1), frame_of(sim, **WHERE)
     np.testing.assert_array_equal(frame.quads, now.quads)
     np.testing.assert_array_equal(frame.crack_edges, now.crack_edges)
     np.testing.assert_allclose(frame.points, now.points, atol=1e-5)
@@ -104,28 +101,6 @@ def test_frames_and_records_of_a_run_come_back_from_the_files(tmp_path):
     assert results.summary["n_copy"] == sim.state.n_quad - sim.mesh.n_quad
     texts = " ".join(line["text"] for line in results.summary["verdict"])
     assert "row of mesh edges" not in texts
-
-
-@pytest.mark.parametrize("material", [None, YIELDING], ids=["linear", "yielding"])
-def test_a_frame_is_that_of_its_exposure_however_far_the_run_has_gone_on(material):
-    sim = cut_strip(material=material)
-    while sim.cables.n_joint_made < 2:
-        sim.step()
-    exposure = Exposure.of(sim, **WHERE)
-    at_once = exposure.frame()
-    n_quad = sim.state.n_quad
-    while sim.state.n_quad < n_quad + 4:
-        sim.step()
-    later = exposure.frame()
-    for field in fields(later):
-        one, other = getattr(later, field.name), getattr(at_once, field.name)
-        if isinstance(one, Mapping):
-            continue
-        assert np.array_equal(one, other), field.name
-    for name, numbers in later.quad_history.items():
-        np.testing.assert_array_equal(numbers, at_once.quad_history[name])
-    if material is not None:
-        assert max(numbers.max() for numbers in later.quad_history.values()) > 0.0
 
 
 def test_ends_of_cracks(cut):
@@ -146,7 +121,7 @@ def test_cuts_that_cross_leave_four_pieces_that_meet_point_by_point(slope):
     sim = cut_strip(mesh=slanted_strip(slope), notched=False)
     for start, end in (((-1.0, 0.0, 0.0), (6.0, 0.0, 0.0)), ((3.1, -2.0, 0.0), (3.1, 1.6, 0.0))):
         sim.notch(start, end)
-    frame = Exposure.of(sim, **WHERE).frame()
+    frame = frame_of(sim, **WHERE)
     quality = cut_quality(frame)
     areas = sorted(piece.area for piece in quality.pieces)
     np.testing.assert_allclose(areas, [2.9 * 1.6, 2.9 * 1.6, 3.1 * 1.6, 3.1 * 1.6], rtol=2e-3)

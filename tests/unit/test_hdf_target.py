@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from contextlib import closing
+from contextlib import closing, nullcontext
 from pathlib import Path
 
 import h5py
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from opening_frame import opening_frame
+from shellcut.files import hdf_target
 from shellcut.files.hdf_target import HdfTarget
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
@@ -88,6 +89,8 @@ def test_a_file_that_fails_is_what_it_was_and_hdf5_finds_its_own(tmp_path):
             file["first"][:] = -1.0
             file["second"] = rows
             file.flush()
+            with pytest.raises(OSError, match=REFUSAL):
+                target.keep()
         assert path.read_bytes() == good
         np.testing.assert_array_equal(file["second"], rows)
         assert (file["first"][:] == -1.0).all()
@@ -104,27 +107,59 @@ def test_a_file_that_fails_is_what_it_was_and_hdf5_finds_its_own(tmp_path):
 
 def test_who_closes_is_told_what_nobody_was_told(tmp_path):
     target = HdfTarget(tmp_path / "a.h5", "w")
-    with files_of_at_most(1000), h5py.File(target, "w") as file:
+    with h5py.File(target, "w") as file:
         file["a"] = np.arange(1000.0)
-    with pytest.raises(OSError, match=REFUSAL):
+    with files_of_at_most(1000), pytest.raises(OSError, match=REFUSAL):
         target.close()
     target.close()
 
 
-def test_what_a_killed_process_has_overwritten_is_put_back(tmp_path):
+class Killed(BaseException):
+    pass
+
+
+@pytest.mark.parametrize("n_write", range(5))
+def test_what_a_killed_process_has_overwritten_is_put_back(tmp_path, monkeypatch, n_write):
+    path, write, left = tmp_path / "f.h5", hdf_target.write_all, n_write
+
+    def killed(file, data):
+        nonlocal left
+        write(file, data if left else data[: len(data) // 2])
+        left -= 1
+        if left < 0:
+            raise Killed
+
+    target = HdfTarget(path, "w")
+    target.write(b"consistent")
+    target.keep()
+    for at, data in ((3, b"___"), (8, b"___and more"), (4, b"!!")):
+        target.seek(at)
+        target.write(data)
+    assert path.read_bytes() == b"consistent"
+    target.seek(0)
+    now = target.read()
+    assert now == b"con_!!te___and more"
+    with monkeypatch.context() as patch:
+        patch.setattr(hdf_target, "write_all", killed)
+        # Of the note, and of each of the three pieces.
+        with pytest.raises(Killed) if n_write < 4 else nullcontext():
+            target.keep()
+    for mode in ("r", "r+", "r"):
+        with closing(HdfTarget(path, mode)) as again:
+            assert again.read() == (b"consistent" if n_write < 4 else now)
+    assert [p.name for p in tmp_path.iterdir()] == ["f.h5"]
+
+
+def test_a_file_that_gets_shorter_gets_its_end_back(tmp_path, monkeypatch):
     path = tmp_path / "f.h5"
     with closing(HdfTarget(path, "w")) as target:
         target.write(b"consistent")
         target.keep()
-        target.seek(3)
-        target.write(b"___")
-        target.write(b"___and more")
-        left = [(p.name, p.read_bytes()) for p in tmp_path.iterdir()]
-    assert [p.name for p in tmp_path.iterdir()] == ["f.h5"]
-    for name, content in left:  # as after a kill, within the note of the next bytes
-        (tmp_path / name).write_bytes(content + (b"\0" if name.endswith(".undo") else b""))
-    for mode in ("r", "r+", "r"):
-        with closing(HdfTarget(path, mode)) as target:
-            assert target.read() == b"consistent"
-    assert [p.name for p in tmp_path.iterdir()] == ["f.h5"]
-    assert path.read_bytes() == b"consistent"
+        target.truncate(4)
+        assert path.read_bytes() == b"consistent"
+        with monkeypatch.context() as patch:
+            patch.setattr(hdf_target.HdfTarget, "_put", lambda target, *_: target._file.truncate(4))
+            patch.setattr(hdf_target.Path, "unlink", lambda *_, **__: None)
+            target.keep()
+        with closing(HdfTarget(path, "r")) as reader:
+            assert reader.read() == b"consistent"

@@ -22,7 +22,7 @@ from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.models import Case
-from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.frame_capture import frame_of
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.results.vtkhdf_reader import VtkHdfReader
 
@@ -240,7 +240,7 @@ def test_a_cut_writes_dissipation_and_damage(tmp_path):
     first, last = results.frame(0).quad_history, results.frame(-1).quad_history
     assert set(first) == set(last) == {"largest strain [-]", "damage [-]"}
     assert last["damage [-]"].max() > 0.05
-    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
+    frame = frame_of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
     with closing(VtkHdfWriter(tmp_path / "own.vtkhdf")) as writer:
         writer.append(frame)
     again = VtkHdfReader(tmp_path / "own.vtkhdf").frame(0)

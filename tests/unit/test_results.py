@@ -15,7 +15,7 @@ import shellcut.view
 from opening_frame import opening_frame
 from shellcut import Recorder, guillotine
 from shellcut.frame import JOINTED
-from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.frame_capture import frame_of
 from shellcut.results.vtkhdf import VtkHdfWriter
 from test_vtkhdf import assert_same
 
@@ -181,7 +181,7 @@ def test_what_is_not_there_is_said(tmp_path):
 
 def test_capture_shows_the_cables_that_hold_and_the_tool_where_it_is(run):
     *_, sim = run
-    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
+    frame = frame_of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
     c = sim.state.cable
     ends, status = c.at_ends(sim.state.node.x), c.status[: c.count]
     straight, bent = np.flatnonzero(status == 0), np.flatnonzero(status == JOINTED)
@@ -203,7 +203,7 @@ def test_capture_of_a_film_without_a_tool():
         shellcut.Mesh.from_arrays([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2, 3]]),
         shellcut.ShellMaterial.homogeneous(),
     )
-    frame = Exposure.of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm").frame()
+    frame = frame_of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
     assert frame.tool_points.shape == (0, 3)
     assert not frame.held.any()
     assert frame.quad_thickness.tolist() == [0.074]

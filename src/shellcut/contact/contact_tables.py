@@ -47,19 +47,23 @@ class ContactPoints(NamedTuple):
 
 
 class DistanceQueries(NamedTuple):
-    """What is known of each contact point from its last distance query on the tool."""
+    """What is known of each contact point from its last search on the tool's surface."""
 
-    until: Annotated[Floats, "(n_row,)"]
-    """Travelled distance from which on the surface is searched again [mm]. Until then a point
-    outside does not touch, and the depth of one inside follows from its faces."""
+    place: Annotated[Floats, "(n_row, 3)"]
+    """Where it was then, in the body frame [mm]."""
+    free: Annotated[Floats, "(n_row,)"]
+    """Within this distance of that place what was found holds [mm]: a point outside does not touch,
+    and the depth of one inside follows from its faces."""
     face: Annotated[Ints, "(n_row, 2)"]
     """Of a point inside, the triangles whose planes give its depth, twice the same where one does;
     else -1."""
+    until: Annotated[Floats, "(n_row,)"]
+    """Of a point outside, the travelled distance up to which it has certainly not left [mm]."""
 
     @classmethod
     def none_yet(cls, n: int) -> DistanceQueries:
         """Return the table of n contact points that have not been evaluated yet."""
-        return cls(until=np.zeros(n), face=np.full((n, 2), -1))
+        return cls(np.zeros((n, 3)), np.zeros(n), np.full((n, 2), -1), np.zeros(n))
 
 
 class Memory(NamedTuple):

@@ -2,11 +2,12 @@
 
 The depth is that below the tool with its convex edges rounded (:mod:`shellcut.tool.rounded_depth`).
 
-*Waiting.* One clock adds up how far tool and film may have approached each other: the motion of
-the tool, and the largest speed of a listed node times the step. A contact point at the distance d
-from the tool is not evaluated again before this sum has grown by d. For a point inside, whose depth
-follows from one or two faces, the surface is not searched again before the sum has grown by as much
-as it may move until another face counts.
+*Waiting.* A search of the surface holds for a while: that of a point outside at the distance d from
+the tool until it has moved by d in the body frame; that of a point inside, whose depth follows from
+one or two faces, until it has moved so far that another face may count. One clock adds up how far
+tool and film may have approached each other: the motion of the tool, and the largest speed of a
+listed node times the step. Until it has advanced as far as a point outside may move, not even the
+point's place is needed.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 
 from shellcut.arrays import Vec3
 from shellcut.numerics.jit import always_inline, inline
-from shellcut.numerics.vec3 import add_scaled, dot, load, norm, sub
+from shellcut.numerics.vec3 import add_scaled, dot, load, norm, store, sub
 from shellcut.state import KernelNodes, QuadsAtNodes, local_edge_length
 from shellcut.tool.cutting_edge import CUT_DEPTH, NORMAL, segment_part, strip_coordinates
 from shellcut.tool.pose import Pose, to_body
@@ -51,17 +52,24 @@ def depth_in_tool(
     """
     tool, queries, grid = tables.tool, tables.queries, tables.tool.grid
     radius = tables.law.rounding
-    if walked < queries.until[i] and side == tables.memory.side[tables.memory.row[i]]:
-        one, two = queries.face[i, 0], queries.face[i, 1]
-        known, g, outward = depth_under_faces(p, one, two, radius, grid)
-        # Deeper than that, the other side of the blade may be closer.
-        if known and g < tables.law.tool_half_thickness:
-            return True, one, one, g, outward, side
-    queries.until[i], queries.face[i, 0] = walked, -1
+    one, two = queries.face[i, 0], queries.face[i, 1]
+    rest = queries.free[i] - norm(sub(p, load(queries.place, i)))
+    if rest > 0.0:
+        if one < 0:
+            queries.until[i] = walked + rest
+            return False, 0, 0, 0.0, p, side
+        if side == tables.memory.side[tables.memory.row[i]]:
+            known, g, outward = depth_under_faces(p, one, two, radius, grid)
+            # Deeper than that, the other side of the blade may be closer.
+            if known and g < tables.law.tool_half_thickness:
+                return True, one, one, g, outward, side
+    store(queries.place, i, p)
+    queries.free[i], queries.face[i, 0], queries.until[i] = 0.0, -1, walked
     found, inside, whole, q = closest_of_solid(p, grid)
     if not inside:
         away = norm(sub(p, q)) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
-        queries.until[i] = walked + away - tool.round_off
+        queries.free[i] = away - tool.round_off
+        queries.until[i] = walked + queries.free[i]
         return False, whole, whole, 0.0, p, side
     flank, triangle = grid.surface.flank, whole
     if side == 0 and not tables.on_border:
@@ -75,7 +83,7 @@ def depth_in_tool(
     g, outward, other = rounded_depth(p, q, triangle, side, radius, grid)
     # A node without a side may get one in the next step.
     if whole == triangle and other >= 0 and (side != 0 or tables.on_border):
-        _keep_faces(i, p, g, outward, triangle, other, side, walked, tables)
+        _keep_faces(i, p, g, outward, triangle, other, side, tables)
     return True, whole, triangle, g, outward, side
 
 
@@ -88,7 +96,6 @@ def _keep_faces(
     one: int,
     two: int,
     side: int,
-    walked: float,
     tables: ContactTables,
 ) -> None:
     """Write the faces that give a point its depth, and how long they do.
@@ -103,7 +110,7 @@ def _keep_faces(
     centre = add_scaled(p, g - radius, outward)
     free = ball_clearance(centre, radius, p, one, two, side, grid) - tables.tool.round_off
     if free > 0.0:
-        queries.until[i] = walked + free
+        queries.free[i] = free
         queries.face[i, 0], queries.face[i, 1] = one, two
 
 

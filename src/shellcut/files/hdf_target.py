@@ -2,15 +2,16 @@
 
 If HDF5 cannot write, it can neither continue nor close its file: it raises again on closing, and
 the process then ends with a segmentation fault (h5py 3.16, at half of 20 sizes of a full disk). The
-file may also be inconsistent. HDF5 therefore writes to this object. Once the system refuses bytes,
-the file is restored to its last consistent state, and everything written since then and later is
-kept in memory, where HDF5 can read it back; :meth:`HdfTarget.check` raises the error.
+file may also be inconsistent. HDF5 therefore writes to this object, which keeps what it writes in
+memory until the file is consistent, and writes it then (:meth:`HdfTarget.keep`). If the system
+refuses bytes, the file is restored to its last consistent state, and :meth:`HdfTarget.check` raises
+the error. What is in memory stays there, and so does what comes later: HDF5 can read it back.
 
-A process may also be killed while HDF5 changes its index, which then names what is not in the file
-yet. So whatever is overwritten is noted before in a file beside this one, FILE.undo: the size of
-the last consistent file, then offset, length and old bytes, again and again. It is there only while
-the file is not consistent. Who opens the file again puts the old bytes back; who reads it takes
-them instead.
+A process may also be killed within such a write: HDF5 has changed its index, which then names what
+is not in the file yet. So all that is overwritten is noted before in a file beside this one,
+FILE.undo: the size of the last consistent file, then offset, length and old bytes, again and again.
+It is there only while the file is not consistent. Who opens the file again puts the old bytes back;
+who reads it takes them instead.
 """
 
 from __future__ import annotations
@@ -44,26 +45,22 @@ class HdfTarget(io.RawIOBase):
     def __init__(self, path: Path, mode: Literal["w", "r+", "r"]) -> None:
         self._path, self._undo = path, path.with_name(f"{path.name}.undo")
         self._file: Any = path.open("rb") if mode == "r" else opened(path, mode)
-        self._noted: Any = None
         self._at = 0
         self._kept = self._file.seek(0, os.SEEK_END)  # size when last consistent
-        self._is_read = mode == "r"
-        self._replaced: list[tuple[int, bytes]] = []  # overwritten since then: offset, old bytes
+        self._size = self._kept  # with what is in memory
         self._in_memory: list[tuple[int, bytes]] = []
         self._failure: OSError | None = None
-        self._told = False
+        self._told = self._is_read = mode == "r"
         if mode == "w":
             self._undo.unlink(missing_ok=True)
         elif self._undo.exists():
             noted = self._undo.read_bytes()
             if len(noted) >= _SIZE.size:
-                (self._kept,) = _SIZE.unpack_from(noted)
-                self._replaced = list(_replaced(noted))
-            if mode == "r":
-                self._in_memory = self._replaced[::-1]  # the oldest bytes count
-            else:
-                self._restore()
-                self._replaced.clear()
+                (self._size,) = _SIZE.unpack_from(noted)
+                self._in_memory = list(_replaced(noted))
+            if mode == "r+":
+                self._put(self._in_memory, self._size)
+                self._in_memory, self._kept = [], self._size
                 self._undo.unlink()
 
     def check(self) -> None:
@@ -73,24 +70,39 @@ class HdfTarget(io.RawIOBase):
             raise OSError(*self._failure.args[:2], str(self._path)) from self._failure
 
     def keep(self) -> None:
-        """Mark the file as consistent now: a later failure restores this state."""
+        """Write what has come, which makes a consistent file; raises OSError if it cannot."""
+        if self._failure is None and (self._in_memory or self._size != self._kept):
+            spans = [(first, first + len(data)) for first, data in self._in_memory]
+            spans.append((self._size, self._kept))  # of a file that gets shorter
+            old = [
+                (first, self._stored(first, min(end, self._kept) - first)) for first, end in spans
+            ]
+            try:
+                self._note(old)
+                self._put(self._in_memory, self._size)
+            except OSError as failure:
+                self._failure = failure
+                with suppress(OSError):
+                    self._put(old, self._kept)
+                    self._undo.unlink(missing_ok=True)
+            else:
+                self._in_memory, self._kept = [], self._size
+                self._undo.unlink(missing_ok=True)
         self.check()
-        self._kept = self._file.seek(0, os.SEEK_END)
-        self._forget()
 
     def sync(self) -> None:
         """Wait until everything written is on the disk."""
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """Close the file; raise its failure if it has not been raised yet."""
+        """Write what has come and close the file; raise its failure if nobody has been told."""
         if not self.closed:
             super().close()
-            self._file.close()
-            if not self._is_read and self._failure is None:
-                self._forget()
-            if not self._told:
-                self.check()
+            try:
+                if not self._told:
+                    self.keep()
+            finally:
+                self._file.close()
 
     # ------------------------------------------------------------------ called by h5py
 
@@ -99,7 +111,7 @@ class HdfTarget(io.RawIOBase):
         if whence == os.SEEK_CUR:
             offset += self._at
         elif whence == os.SEEK_END:
-            offset += self._size()
+            offset += self._size
         self._at = offset
         return offset
 
@@ -110,7 +122,7 @@ class HdfTarget(io.RawIOBase):
     def readinto(self, buffer: Any) -> int:
         """Read what is there, from disk or memory."""
         target = memoryview(buffer).cast("B")
-        end = min(self._at + len(target), self._size())
+        end = min(self._at + len(target), self._size)
         n = max(end - self._at, 0)
         stored = self._stored(self._at, n)
         target[:n] = stored + bytes(n - len(stored))
@@ -122,79 +134,37 @@ class HdfTarget(io.RawIOBase):
         return n
 
     def write(self, data: Any) -> int:
-        """Write all bytes, to disk or memory."""
-        view = memoryview(data).cast("B")
-        if self._failure is None:
-            try:
-                if self._at < self._kept:
-                    old = self._stored(self._at, min(len(view), self._kept - self._at))
-                    self._note(self._at, old)
-                self._file.seek(self._at)
-                write_all(self._file, view)
-            except OSError as failure:
-                self._put_back(failure)
-        if self._failure is not None:
-            self._in_memory.append((self._at, bytes(view)))
-        self._at += len(view)
-        return len(view)
+        """Take all bytes, into memory."""
+        taken = bytes(memoryview(data).cast("B"))
+        self._in_memory.append((self._at, taken))
+        self._at += len(taken)
+        self._size = max(self._size, self._at)
+        return len(taken)
 
     def truncate(self, size: int | None = None) -> int:
-        """Shorten or extend the file [bytes], unless it has failed."""
-        size = self._at if size is None else size
-        if self._failure is None:
-            try:
-                self._file.truncate(size)
-                self._kept = min(self._kept, size)
-            except OSError as failure:
-                self._put_back(failure)
-        return size
+        """Shorten or extend the file [bytes]."""
+        self._size = self._at if size is None else size
+        return self._size
 
     def flush(self) -> None:
-        """Do nothing: each write is passed to the system at once."""
+        """Do nothing: the file is written when it is consistent."""
 
     # ------------------------------------------------------------------ parts
 
-    def _put_back(self, failure: OSError) -> None:
-        """Restore the last consistent file; keep HDF5's newer bytes in memory."""
-        self._failure = failure
-        with suppress(OSError):
-            now = [(first, self._stored(first, len(old))) for first, old in self._replaced]
-            end = self._file.seek(0, os.SEEK_END)
-            now.append((self._kept, self._stored(self._kept, end - self._kept)))
-            self._in_memory = now
-            self._restore()
-            self._forget()
-
-    def _note(self, first: int, old: bytes) -> None:
-        """Note bytes that are overwritten next."""
-        self._replaced.append((first, old))
-        if self._noted is None:
-            if not self._is_in_place():
-                return
-            self._noted = opened(self._undo, "w")
-            write_all(self._noted, _SIZE.pack(self._kept))
-        write_all(self._noted, _PLACE.pack(first, len(old)) + old)
-
-    def _is_in_place(self) -> bool:
-        """Return whether nobody has moved the file, or its folder, away."""
+    def _note(self, old: list[tuple[int, bytes]]) -> None:
+        """Note bytes that are overwritten next, unless file or folder have been moved away."""
         with suppress(FileNotFoundError):
-            return os.path.samestat(self._path.stat(), os.fstat(self._file.fileno()))
-        return False
+            if os.path.samestat(self._path.stat(), os.fstat(self._file.fileno())):
+                pieces = (_PLACE.pack(first, len(data)) + data for first, data in old if data)
+                with opened(self._undo, "w") as undo:
+                    write_all(undo, b"".join((_SIZE.pack(self._kept), *pieces)))
 
-    def _restore(self) -> None:
-        """Restore the last consistent file."""
-        for first, old in reversed(self._replaced):
+    def _put(self, pieces: list[tuple[int, bytes]], size: int) -> None:
+        """Write pieces to the disk, and set the size of the file [bytes]."""
+        for first, data in pieces:
             self._file.seek(first)
-            write_all(self._file, old)
-        self._file.truncate(self._kept)
-
-    def _forget(self) -> None:
-        """Drop what was overwritten: the file is consistent."""
-        self._replaced.clear()
-        if self._noted is not None:
-            self._noted.close()
-            self._noted = None
-            self._undo.unlink(missing_ok=True)
+            write_all(self._file, data)
+        self._file.truncate(size)
 
     def _stored(self, first: int, n: int) -> bytes:
         """Return up to ``n`` bytes from the disk."""
@@ -204,9 +174,3 @@ class HdfTarget(io.RawIOBase):
             pieces.append(piece)
             n -= len(piece)
         return b"".join(pieces)
-
-    def _size(self) -> int:
-        if self._is_read:
-            return self._kept
-        ends = (first + len(data) for first, data in self._in_memory)
-        return max(int(self._file.seek(0, os.SEEK_END)), *ends, 0)

@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, product, unit
+from shellcut.arrays import Floats, Ints, cross, norm, product, unit
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.state import State
 
@@ -67,14 +67,11 @@ class FaceStresses(NamedTuple):
 
 
 class CentreStress:
-    """Stresses at the quads' centres, from reference geometry and layers.
-
-    They need nothing of the shell's blocks, so that frames may take them in another thread.
-    """
+    """Stresses at the quads' centres, from reference geometry and layers."""
 
     def __init__(self, reference: Surface, material: ShellMaterial) -> None:
-        self.reference = reference
-        """Of every quad and copy."""
+        self._reference = reference
+        self._at_height: dict[float, _Undeformed] = {}
         layers = material.layers
         bottom = np.cumsum([0.0, *(layer.thickness for layer in layers)])
         mid = int(np.searchsorted(bottom, 0.5 * material.thickness, side="right")) - 1
@@ -95,6 +92,13 @@ class CentreStress:
             coupling[:] = 0.0
         self._membrane, self._plies = (mean, coupling), (ply, middle, slope)
 
+    def add_copies(self, reference: Surface, copies: Ints) -> None:
+        """Take over the reference to which copies of these quads have been added."""
+        self._reference = reference
+        for height, at in self._at_height.items():
+            rows = (np.concatenate([values, values[copies]]) for values in at)
+            self._at_height[height] = _Undeformed(*rows)
+
     def cauchy(self, state: State, which: Ints, place: str) -> Floats:
         """Return the stress tensors of some quads, as :meth:`.PointOutput.cauchy`."""
         check_place(place)
@@ -107,9 +111,9 @@ class CentreStress:
         top, bottom = (self._deformed(which, _tangents(x, t, quads[which], z), z) for z in (h, -h))
         mean, coupling = self._membrane
         S = product(now.strain, mean) + product(top.strain - bottom.strain, coupling) / (2.0 * h)
-        normal = unit(np.cross(now.f[:, 0], now.f[:, 1]))
+        normal = unit(cross(now.f[:, 0], now.f[:, 1]))
         along = unit(now.f[:, 0])
-        f = np.stack([along, np.cross(normal, along)], axis=1)
+        f = np.stack([along, cross(normal, along)], axis=1)
         return _pushed(S, f, np.ones(len(which)))
 
     def linear(
@@ -142,8 +146,8 @@ class CentreStress:
         now = self._deformed(which, g, height)
         df = np.einsum("nia,nac->nic", now.up, dg)
         S, dS = product(now.strain, law), product(2.0 * _products(df, now.f), law)
-        area = np.cross(g[:, 0], g[:, 1])
-        grown = np.cross(dg[:, 0], g[:, 1]) + np.cross(g[:, 0], dg[:, 1])
+        area = cross(g[:, 0], g[:, 1])
+        grown = cross(dg[:, 0], g[:, 1]) + cross(g[:, 0], dg[:, 1])
         size = np.einsum("nc,nc->n", area, area)
         dJ_over_J = (np.einsum("nc,nc->n", grown, area) / size)[:, None, None]
         stress, strained = (_pushed(stress, now.f, now.J) for stress in (S, dS))
@@ -179,14 +183,33 @@ class CentreStress:
 
     def _deformed(self, which: Ints, g: Floats, height: float) -> _Deformed:
         """Return the deformation of some quads with the present base vectors g : (n, 2, 3)."""
-        nodes, directors, quads = self.reference
-        corners = quads[which]
+        at = self._at_height.get(height)
+        if at is None:
+            at = self._at_height[height] = _Undeformed.of(self._reference, height)
+        up = at.up[which]
+        f = np.einsum("nia,nac->nic", up, g)
+        J = norm(cross(g[:, 0], g[:, 1])) / at.J[which]
+        return _Deformed(up, f, _products(f, f) - at.products[which], J)
+
+
+class _Undeformed(NamedTuple):
+    """The reference at the centres of all quads, at a height."""
+
+    up: Floats
+    """ê_i·G^alpha, shape (n, 2, 2)."""
+    products: Floats
+    """Of F_i as :func:`_products`, shape (n, 3)."""
+    J: Floats
+    """|G_1 x G_2|, shape (n,)."""
+
+    @classmethod
+    def of(cls, reference: Surface, height: float) -> _Undeformed:
+        nodes, directors, corners = reference
         G = _tangents(nodes, directors, corners, height)
         T = directors[corners].mean(axis=1)
         up = frame_components(G[:, 0], G[:, 1], T)[0][:, :2, :2]
-        f, F = (np.einsum("nia,nac->nic", up, base) for base in (g, G))
-        J, J0 = (np.linalg.norm(np.cross(base[:, 0], base[:, 1]), axis=1) for base in (g, G))
-        return _Deformed(up, f, _products(f, f) - _products(F, F), J / J0)
+        F = np.einsum("nia,nac->nic", up, G)
+        return cls(up, _products(F, F), norm(cross(G[:, 0], G[:, 1])))
 
 
 class _Deformed(NamedTuple):
@@ -227,7 +250,7 @@ def in_lamina(sigma: Floats, thickness: Floats, x: Floats, quads: Ints) -> FaceS
     corners = x[quads]
     e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
     a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
-    axes = unit(np.stack([e1, np.cross(np.cross(e1, a2), e1)], axis=1))
+    axes = unit(np.stack([e1, cross(cross(e1, a2), e1)], axis=1))
     plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
     s11, s22, s12 = plane[..., 0, 0], plane[..., 1, 1], plane[..., 0, 1]
     mean, radius = 0.5 * (s11 + s22), np.hypot(0.5 * (s11 - s22), s12)

@@ -282,7 +282,7 @@ class MITC4Shell:
         self.reference = Surface(nodes, directors, quads)
         self.frequencies.reference = self.reference
         if isinstance(self._output, CentreStress):
-            self._output.reference = self.reference
+            self._output.add_copies(self.reference, copies)
 
     def corner_forces(self, state: State, quads: Ints, nodes: Ints) -> Floats:
         """Return minus the internal and damping force of single quads on one of their nodes [N].

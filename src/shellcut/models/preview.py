@@ -18,7 +18,7 @@ from shellcut.loads.supports import Support, choose_nodes
 from shellcut.mesh.mesh import Mesh
 from shellcut.mitc4.mesh_quality import MeshQuality, mesh_quality
 from shellcut.numerics.connected_parts import connected_parts
-from shellcut.recording.frame_capture import Exposure
+from shellcut.recording.frame_capture import frame_of
 from shellcut.recording.status_line import crack_line, how_long, part_lines
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion
@@ -123,9 +123,7 @@ def preview(
         check = check_model(sim, time)
     sweep = check.sweep if check is not None else None
     supported = np.flatnonzero(sim.state.node.supported[: mesh.n_node])
-    film_now = Exposure.of(
-        sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm"
-    ).frame()
+    film_now = frame_of(sim, coordinate=0.0, coordinate_name="path", coordinate_unit="mm")
     parts = ModelParts(
         mesh=mesh,
         supported=supported,

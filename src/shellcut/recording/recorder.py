@@ -12,10 +12,11 @@ import json
 import logging
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, replace
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,7 +39,7 @@ from shellcut.view.progress import Progress
 
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .cut_front import CutFront
-from .frame_capture import Exposure
+from .frame_capture import frame_of
 from .resistance import resistance_of
 from .run_files import RunFiles
 from .run_options import RunArguments, RunOptions
@@ -194,7 +195,10 @@ class Recorder:
 
     def __call__(self, sim: Simulation) -> None:
         """Write what is due."""
-        now = sim.state.time
+        now, clock = sim.state.time, time.perf_counter()
+        # Before the rest, which a resumed run writes: it need not wait for the first picture.
+        if clock - self._saved >= self._checkpoint_every:
+            self._save_checkpoint()
         if self._schedule.due(now):
             before = self._schedule.copied()
             try:
@@ -208,13 +212,9 @@ class Recorder:
                 self._note_status()
             if self._progress.wants:
                 self._show_progress(self._progress)
-        clock = time.perf_counter()
         if clock - self._looked >= _LOOK_EVERY:
             self._looked = clock
             self._files.look()
-            self._files.frames.check()
-        if clock - self._saved >= self._checkpoint_every:
-            self._save_checkpoint()
 
     def _record(self, sim: Simulation, now: float, schedule: Schedule) -> None:
         if schedule.row_due(now):
@@ -225,8 +225,7 @@ class Recorder:
         frame_due = schedule.frame_due(now)
         picture_due = schedule.picture_due is not None and schedule.picture_due(now)
         if frame_due or picture_due:
-            draw = self._next_picture() if picture_due else None
-            self._files.frames.add(self._expose(sim).frame, to_file=frame_due, draw=draw)
+            self._show(sim, to_file=frame_due, to_picture=picture_due)
             schedule.captured_time = now
             if frame_due:
                 schedule.frame_time = now
@@ -248,6 +247,7 @@ class Recorder:
         self._closed = True
         with ExitStack() as at_last:  # do everything, even if one part fails
             at_last.callback(self._files.release)
+            at_last.callback(self._files.pictures.close)
             with ExitStack() as before:
                 before.callback(self._end_progress)
                 before.callback(self._files.close)
@@ -264,20 +264,15 @@ class Recorder:
 
     def _end_records(self) -> None:
         self._files.look()
-        if not self._sim.between_steps:  # the error of the failed step is the one to be raised
-            try:
-                self._files.frames.settle()
-            except ValueError as problem:
-                _log.warning("the last frame before the end could not be made: %s", problem)
-        # A run that failed within a step, or lost a frame, resumes from its last checkpoint.
-        if self._sim.between_steps and not (self._files.lost or self._files.frames.failed):
+        # A run that failed within a step, or lost a picture, resumes from its last checkpoint.
+        if self._sim.between_steps and not (self._files.lost or self._files.pictures.failed):
             self._save_checkpoint()
         if not self._has_failed():
             self._show_end()
 
     def _has_failed(self) -> bool:
-        frame_failed = self._files.frames.failed and self._sim.between_steps
-        return self._record_failed or self._files.lost or frame_failed
+        picture_failed = self._files.pictures.failed and self._sim.between_steps
+        return self._record_failed or self._files.lost or picture_failed
 
     # ------------------------------------------------------------------ restart
 
@@ -300,8 +295,8 @@ class Recorder:
         return schedule
 
     def _save_checkpoint(self) -> None:
-        # Flush pending frames first: a resumed run must find them.
-        self._files.frames.settle()
+        # A resumed run must find the pictures so far.
+        self._files.pictures.settle()
         schedule = replace(self._schedule, wall=self._wall())
         try:
             saved = {**schedule.saved(), "cut_front": self._front.saved()}
@@ -362,17 +357,9 @@ class Recorder:
             and self._schedule.picture_due is not None
             and now > self._schedule.captured_time
         )
-        if not (frame_due or picture_due):
-            return
-        with np.errstate(all="ignore"):
-            try:
-                frame = self._expose(sim).frame()
-            except ValueError:
-                if sim.between_steps:
-                    raise
-                return  # the error of the failed step is already being raised
-            draw = self._next_picture() if picture_due else None
-            self._files.frames.add(lambda: frame, to_file=frame_due, draw=draw)
+        if frame_due or picture_due:
+            with np.errstate(all="ignore"):
+                self._show(sim, to_file=frame_due, to_picture=picture_due)
 
     def _end_progress(self) -> None:
         if self._progress is not None:
@@ -397,27 +384,33 @@ class Recorder:
             figures["imbalance"] = 100.0 * sim.imbalance
         progress.update(sim.state.time / self._until, step=sim.state.step, **figures)
 
-    def _expose(self, sim: Simulation) -> Exposure:
-        r = self.resistance
+    def _show(self, sim: Simulation, *, to_file: bool, to_picture: bool) -> None:
+        """Write and draw the present frame; a film that has blown up has none."""
+        r, n = self.resistance, sim.state.node
         scalars = dict(zip((name for name, _ in r.columns), r.felt(sim), strict=True))
-        return Exposure.of(
-            sim,
-            coordinate=r.coordinate(sim.state.time),
-            coordinate_name=r.coordinate_name,
-            coordinate_unit=r.coordinate_unit,
-            scalars=scalars | {"crack length": sim.state.crack_length},
-            scalar_units=dict(r.columns) | {"crack length": "mm"},
-        )
-
-    def _next_picture(self) -> Callable[[Frame], None] | None:
-        """Return what draws the next picture, None without Matplotlib."""
-        if not self._can_draw:
-            return None
-        path = self._files.new_picture(self._schedule.n_picture)
-        self._schedule.n_picture += 1
-        high = None if self._strength is None else shown("MPa")[1] * self._strength
-        look = Look(low=0.0, high=high)
-        return lambda frame: draw_scene(path, frame, look=look, close_up=True, size=(1170, 630))
+        try:
+            frame = frame_of(
+                sim,
+                coordinate=r.coordinate(sim.state.time),
+                coordinate_name=r.coordinate_name,
+                coordinate_unit=r.coordinate_unit,
+                scalars=scalars | {"crack length": sim.state.crack_length},
+                scalar_units=dict(r.columns) | {"crack length": "mm"},
+            )
+        except ValueError as problem:
+            moved = np.hstack([n.x, n.t, n.velocity_half])[: sim.state.n_node]
+            if sim.between_steps and np.isfinite(moved).all():
+                raise
+            # The next step says so, or has said so.
+            _log.warning("the frame at %s could not be made: %s", self.place(), problem)
+            return
+        if to_file:
+            self._files.frames.append(frame)
+        if to_picture and self._can_draw:
+            path = self._files.new_picture(self._schedule.n_picture)
+            self._schedule.n_picture += 1
+            high = None if self._strength is None else shown("MPa")[1] * self._strength
+            self._files.pictures.draw(_draw_snapshot, path, frame, Look(low=0.0, high=high))
 
     def _sum_up(self) -> None:
         """Write the files of a completed run: values, splits, curves."""
@@ -440,8 +433,18 @@ class Recorder:
             }
         self.verdict = tuple(verdict(figures, map(str, self._check.doubts)))
         said = {**figures, "verdict": [asdict(line) for line in self.verdict]}
+        self._files.pictures.settle()
         write_splits(self.folder / SPLITS, self._sim.state.splits)
         write_text(self.folder / SUMMARY, json.dumps(said, indent=2) + "\n")
         if self._draws_curves and len(results.history["time"]) > 1:
-            results.plot_torque()
-            results.plot_energy()
+            self._files.pictures.draw(_draw_curves, result_file(self.folder, self.name))
+
+
+def _draw_snapshot(path: Path, frame: Frame, look: Look) -> None:
+    draw_scene(path, frame, look=look, close_up=True, size=(1170, 630))
+
+
+def _draw_curves(path: Path) -> None:
+    results = read(path)
+    results.plot_torque()
+    results.plot_energy()

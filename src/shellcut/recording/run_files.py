@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections import deque
-from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextvars import copy_context
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from shellcut.files.folder_lock import TakenFolder
@@ -21,92 +19,15 @@ from shellcut.files.run_folder import (
     snapshot,
     snapshots,
 )
-from shellcut.frame import Frame
 from shellcut.results.history import HistoryWriter, Written
 from shellcut.results.run_results import summary_in
 from shellcut.results.vtkhdf import VtkHdfWriter
 
-# Frames that may wait to be written and drawn, as many as are due while a picture of a small film
-# is drawn; and nodes of all of them together.
-_MOST_PENDING, _MOST_NODES = 8, 200_000
+from .pictures import Pictures
 
 
 class FolderLost(OSError):
     """Somebody removed, moved or emptied the folder of a running simulation."""
-
-
-class FrameOutput:
-    """Write frames to a result file, which it closes, and draw them, in a background thread.
-
-    Making, packing and writing a frame takes as long as forty steps of a small film, a picture ten
-    times that. So the run only waits where many frames are pending, or for complete files.
-
-    Parameters
-    ----------
-    file : VtkHdfWriter
-    n_node : int
-        Size of the film: of a large one a single frame may be pending.
-    """
-
-    def __init__(self, file: VtkHdfWriter, n_node: int) -> None:
-        self._file, self._most = file, max(1, min(_MOST_PENDING, _MOST_NODES // n_node))
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix="frames")
-        self._pending: deque[Future[None]] = deque()
-        self.failed = False
-        """Whether a frame could not be written or drawn."""
-
-    def add(
-        self,
-        make: Callable[[], Frame],
-        *,
-        to_file: bool,
-        draw: Callable[[Frame], None] | None = None,
-    ) -> None:
-        """Start to make a frame, to write it, if wanted, and to draw it.
-
-        Raises the error of an earlier frame, if any.
-        """
-
-        def work() -> None:
-            frame = make()
-            if to_file:
-                self._file.append(frame)
-            if draw is not None:
-                draw(frame)
-
-        self._wait(self._most - 1)
-        # With the units in which the caller shows values.
-        self._pending.append(self._thread.submit(copy_context().run, work))
-
-    def settle(self) -> None:
-        """Wait until all frames are written and drawn; raises the error of one of them, if any."""
-        self._wait(0)
-
-    def sync(self) -> None:
-        """Settle, and wait until the result file is on the disk; OSError if that fails."""
-        self.settle()
-        self._file.sync()
-
-    def check(self) -> None:
-        """Raise the error of an earlier frame, if any, without waiting for a pending one."""
-        self._wait(len(self._pending))
-
-    def close(self) -> None:
-        """Flush pending frames and close the file; a second call does nothing."""
-        try:
-            self.settle()
-        finally:
-            self._thread.shutdown()
-            self._file.close()
-
-    def _wait(self, n: int) -> None:
-        """Wait until at most n frames are pending; raise the error of one that is ready."""
-        while self._pending and (len(self._pending) > n or self._pending[0].done()):
-            try:
-                self._pending.popleft().result()
-            except BaseException:
-                self.failed = True
-                raise
 
 
 class RunFiles:
@@ -119,7 +40,7 @@ class RunFiles:
     """
 
     history: HistoryWriter
-    frames: FrameOutput
+    frames: VtkHdfWriter
 
     def __init__(
         self,
@@ -133,7 +54,8 @@ class RunFiles:
         if name != Path(name).name or not name.isprintable():
             raise ValueError(f"name must be the stem of a file, without a folder, got {name!r}")
         self.folder, self._name = Path(folder), name
-        self._columns, self._also, self._n_node = columns, also, n_node
+        self._columns, self._also = columns, also
+        self.pictures = Pictures(n_node)
         self._taken = TakenFolder(self.folder)
         self.lost = False
         """Whether the folder is no longer the one of this run."""
@@ -204,11 +126,10 @@ class RunFiles:
         self.lost = False
 
     def close(self) -> None:
-        """Close the files."""
-        try:
-            self.frames.close()
-        finally:
-            self.history.close()
+        """Wait for pictures, and close the files."""
+        with ExitStack() as all_of_them:
+            for part in (self.history, self.frames, self.pictures):
+                all_of_them.callback(part.close)
 
     def give_up(self) -> None:
         """Close the files of a run that did not start; remove them unless it was to resume."""
@@ -240,8 +161,7 @@ class RunFiles:
     def _open(self, kept: Written | None, frame_time: float | None) -> None:
         self.history = HistoryWriter(self.folder / HISTORY, self._columns, kept=kept)
         try:
-            result = VtkHdfWriter(result_file(self.folder, self._name), until=frame_time)
+            self.frames = VtkHdfWriter(result_file(self.folder, self._name), until=frame_time)
         except BaseException:
             self.history.close()
             raise
-        self.frames = FrameOutput(result, self._n_node)

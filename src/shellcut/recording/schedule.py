@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from copy import copy
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -64,14 +65,10 @@ class Schedule:
 
     def copied(self) -> Schedule:
         """Return a copy that does not change with this one."""
-        picture_due = self.picture_due and replace(self.picture_due)
-        return replace(
-            self,
-            row_due=replace(self.row_due),
-            frame_due=replace(self.frame_due),
-            picture_due=picture_due,
-            look_due=replace(self.look_due),
-        )
+        same = copy(self)
+        for name in ("row_due", "frame_due", "picture_due", "look_due"):
+            setattr(same, name, copy(getattr(self, name)))
+        return same
 
     def note_unfelt(self, found: Unfelt) -> None:
         """Take down what has just been measured of penetration that no contact feels."""

@@ -104,8 +104,8 @@ _BESIDE: dict[str, tuple[Any, tuple[int, ...]]] = {
 class VtkHdfWriter:
     """Append frames to one VTKHDF file.
 
-    Every frame is flushed, its entry in ``Steps`` last, so the file stays readable if the run is
-    killed or the disk is full. Signals are delayed while HDF5, which calls :class:`HdfTarget`,
+    Every frame is in the file as a whole or not at all, also if the run is killed or the disk is
+    full. Signals are delayed while HDF5, which calls :class:`HdfTarget`,
     is at work: an exception in between would leave its file half open.
 
     With ``until`` frames are appended to the file of an interrupted run, which this class has
@@ -157,8 +157,6 @@ class VtkHdfWriter:
                 for name, rows in arrays.items():
                     written[name] = self._columns.write(f"{of}Data/{name}", at, rows)
             self._append_row(frame, counts, entry, digest_of_arrays(written))
-            # The frame counts only once it is completely in the file.
-            self._file.flush()
             self._count(self.n_frame + 1)
 
     def sync(self) -> None:

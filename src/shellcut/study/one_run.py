@@ -6,7 +6,6 @@ import contextlib
 import json
 import logging
 import multiprocessing
-import threading
 import time
 import traceback
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from shellcut.child_process import ABANDONED
 from shellcut.files.folder_lock import FolderInUse
 from shellcut.files.regular_file import read_regular
 from shellcut.files.run_folder import CHECKPOINT, LOG, SUMMARY, USED
@@ -32,9 +32,6 @@ STOP = "stop"
 
 _LOOK_EVERY = 1.0  # s between two looks for that file
 _PATIENCE = 1.0  # s between two tries at a folder in use
-
-ABANDONED = threading.Event()
-"""Set when the process that gave this one its runs has ended."""
 
 Status = Literal["done", "failed", "stopped"]
 
