@@ -80,7 +80,7 @@ class Child:
         return self._process.poll() is None
 
     def begin(self, function: Callable[..., Any], *arguments: Any) -> None:
-        """Give it a call, all of which can be pickled; it comes after those given before."""
+        """Give it a call that can be pickled; calls are done one after the other."""
         self._giving.submit(self._give, pickle.dumps((function, arguments)))
 
     def result(self) -> Any:

@@ -50,7 +50,7 @@ class HdfTarget(io.RawIOBase):
         self._size = self._kept  # with what is in memory
         self._in_memory: list[tuple[int, bytes]] = []
         self._failure: OSError | None = None
-        self._told = self._is_read = mode == "r"
+        self._is_raised = self._is_read = mode == "r"
         if mode == "w":
             self._undo.unlink(missing_ok=True)
         elif self._undo.exists():
@@ -66,7 +66,7 @@ class HdfTarget(io.RawIOBase):
     def check(self) -> None:
         """Raise if writing has failed."""
         if self._failure is not None:
-            self._told = True
+            self._is_raised = True
             raise OSError(*self._failure.args[:2], str(self._path)) from self._failure
 
     def keep(self) -> None:
@@ -95,11 +95,11 @@ class HdfTarget(io.RawIOBase):
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """Write what has come and close the file; raise its failure if nobody has been told."""
+        """Write what is in memory and close the file; raise a failure that has not been raised."""
         if not self.closed:
             super().close()
             try:
-                if not self._told:
+                if not self._is_raised:
                     self.keep()
             finally:
                 self._file.close()

@@ -165,17 +165,18 @@ class CentreStress:
         )
         slope = (top.strain - bottom.strain) / (2.0 * self._height["top"])
         mean, coupling = self._membrane
-        sigma = [
-            _pushed(product(mid.strain, mean) + product(slope, coupling), mid.f, mid.J),
-            _pushed(product(top.strain, self._law["top"]), top.f, top.J),
-            _pushed(product(bottom.strain, self._law["bottom"]), bottom.f, bottom.J),
+        axes = _lamina_axes(x, quads)
+        at_places = [
+            _in_plane(product(mid.strain, mean) + product(slope, coupling), mid, axes),
+            _in_plane(product(top.strain, self._law["top"]), top, axes),
+            _in_plane(product(bottom.strain, self._law["bottom"]), bottom, axes),
         ]
         ply, middle, lateral = self._plies
         at = mid.strain[:, None] + middle[:, None] * slope[:, None]
         thinning = np.einsum("nkc,kc->nk", at, lateral)
         # With this law the thickness vanishes at an area strain of 117 % (nu 0.3).
         thickness = product(np.sqrt(np.maximum(0.0, 1.0 - thinning)), ply)
-        return in_lamina(np.stack(sigma, axis=1), np.asarray(thickness), x, quads)
+        return _with_principal(np.stack(at_places, axis=1), np.asarray(thickness))
 
     def history_means(self, _state: State) -> dict[str, Floats]:
         """Return none: linear laws have no history."""
@@ -245,20 +246,38 @@ def _pushed(S: Floats, f: Floats, J: Floats) -> Floats:
     return np.asarray(np.einsum("nij,nic,njd->ncd", _tensors(S), f, f) / J[:, None, None])
 
 
+def _in_plane(S: Floats, now: _Deformed, axes: Floats) -> Floats:
+    """Return S_ij f_i f_j / J as s11, s22, s12 along two axes : (n, 2, 3), shape (n, 3)."""
+    p, q = np.einsum("nic,nac->ian", now.f, axes)
+    first, second, both = S.T / now.J
+    return np.stack(
+        [
+            first * p[a] * p[b] + second * q[a] * q[b] + both * (p[a] * q[b] + q[a] * p[b])
+            for a, b in ((0, 0), (1, 1), (0, 1))
+        ],
+        axis=-1,
+    )
+
+
 def in_lamina(sigma: Floats, thickness: Floats, x: Floats, quads: Ints) -> FaceStresses:
     """Return stresses of membrane, top and bottom, sigma : (n_quad, 3, 3, 3), as output."""
+    axes = _lamina_axes(x, quads)
+    plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
+    return _with_principal(plane[..., [0, 1, 0], [0, 1, 1]], thickness)
+
+
+def _lamina_axes(x: Floats, quads: Ints) -> Floats:
     corners = x[quads]
     e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
     a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
-    axes = unit(np.stack([e1, cross(cross(e1, a2), e1)], axis=1))
-    plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
-    s11, s22, s12 = plane[..., 0, 0], plane[..., 1, 1], plane[..., 0, 1]
+    return unit(np.stack([e1, cross(cross(e1, a2), e1)], axis=1))
+
+
+def _with_principal(stress: Floats, thickness: Floats) -> FaceStresses:
+    s11, s22, s12 = np.moveaxis(stress, -1, 0)
     mean, radius = 0.5 * (s11 + s22), np.hypot(0.5 * (s11 - s22), s12)
-    return FaceStresses(
-        np.stack([s11, s22, s12], axis=-1),
-        np.stack([mean + radius, mean - radius], axis=-1),
-        thickness,
-    )
+    principal = np.stack([mean + radius, mean - radius], axis=-1)
+    return FaceStresses(stress, principal, thickness)
 
 
 def check_quads(which: Ints, n_quad: int) -> Ints:

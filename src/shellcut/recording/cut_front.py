@@ -128,6 +128,7 @@ class CutFront:
         self._look = _LOOK_AHEAD * until
         self._motion = sim.motion_in_film(until)
         self._seen = (-1, -1, -1)
+        self._ends: tuple[int, CrackEnds] | None = None
         self._rows = np.zeros((0 if tool is None else tool.n_chain, 4))
         self._edge = None if tool is None else _EdgeLength(tool)
 
@@ -158,7 +159,7 @@ class CutFront:
         rows = np.zeros_like(self._rows)
         rows[:, 0] = np.bincount(chain, length, len(rows))
         rows[:, 1] = np.bincount(chain[holds], length[holds], len(rows))
-        ends = CrackEnds.of(sim, self._rim)
+        ends = self._ends_of(sim)
         for k in np.unique(chain[holds]).tolist():
             mine = met[holds & (chain == k)]
             assert self._edge is not None
@@ -167,6 +168,11 @@ class CutFront:
             if np.isfinite(lead):
                 rows[k, 2] = lead + self._ahead(sim, tip, ends)
         return rows
+
+    def _ends_of(self, sim: Simulation) -> CrackEnds:
+        if self._ends is None or self._ends[0] != sim.state.revision:
+            self._ends = sim.state.revision, CrackEnds.of(sim, self._rim)
+        return self._ends[1]
 
     def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> tuple[int, float]:
         """Return which tip, of (n, 3), an edge at cables drives, and its lead [mm], inf if none."""

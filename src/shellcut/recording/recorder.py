@@ -407,7 +407,8 @@ class Recorder:
         if to_file:
             self._files.frames.append(frame)
         if to_picture and self._can_draw:
-            path = self._files.new_picture(self._schedule.n_picture)
+            # The other process may be in another folder.
+            path = self._files.new_picture(self._schedule.n_picture).absolute()
             self._schedule.n_picture += 1
             high = None if self._strength is None else shown("MPa")[1] * self._strength
             self._files.pictures.draw(_draw_snapshot, path, frame, Look(low=0.0, high=high))
@@ -437,7 +438,8 @@ class Recorder:
         write_splits(self.folder / SPLITS, self._sim.state.splits)
         write_text(self.folder / SUMMARY, json.dumps(said, indent=2) + "\n")
         if self._draws_curves and len(results.history["time"]) > 1:
-            self._files.pictures.draw(_draw_curves, result_file(self.folder, self.name))
+            frames = result_file(self.folder, self.name).absolute()
+            self._files.pictures.draw(_draw_curves, frames)
 
 
 def _draw_snapshot(path: Path, frame: Frame, look: Look) -> None:
