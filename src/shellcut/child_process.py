@@ -58,13 +58,17 @@ class Child:
     Raises
     ------
     OSError
-        If no process can be started.
+        If no process can be started, as by a frozen program, which has no interpreter.
     """
 
+    _process: Any = None
+
     def __init__(self) -> None:
+        if getattr(sys, "frozen", False):
+            raise OSError("a frozen program must not be started again, as an interpreter")
         environment = {name: v for name, v in os.environ.items() if name != _NOT_FOR_CHILD}
         environment |= dict.fromkeys(_ONE_THREAD, "1")
-        self._process: Any = subprocess.Popen(
+        self._process = subprocess.Popen(
             [os.fsdecode(spawn.get_executable()), "-c", _BEGIN],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -112,7 +116,9 @@ class Child:
         with contextlib.suppress(OSError), self._process:
             pass
 
-    __del__ = end
+    def __del__(self) -> None:
+        if self._process is not None:
+            self.end()
 
     def _give(self, what: bytes) -> None:
         with contextlib.suppress(OSError):  # it has died: so says `result`

@@ -1,11 +1,13 @@
 """Pictures beside a run: drawn in another process, in order; nothing is lost if that one dies."""
 
 import os
+import sys
 import time
 from contextlib import closing
 
 import pytest
 
+from shellcut import child_process
 from shellcut.recording import pictures
 from shellcut.recording.pictures import Pictures
 from shellcut.unit import showing, shown
@@ -70,11 +72,12 @@ def test_what_a_process_that_dies_has_not_drawn_is_drawn_here(tmp_path):
     assert not some.failed
 
 
-def test_where_no_process_can_be_started_pictures_are_drawn_here(tmp_path, monkeypatch):
-    def refused():
-        raise BlockingIOError("Resource temporarily unavailable")
-
-    monkeypatch.setattr(pictures, "Child", refused)
+@pytest.mark.parametrize("program", ["frozen", "without an interpreter"])
+def test_where_no_process_can_be_started_pictures_are_drawn_here(tmp_path, monkeypatch, program):
+    if program == "frozen":
+        monkeypatch.setattr(sys, "frozen", True, raising=False)
+    else:
+        monkeypatch.setattr(child_process.spawn, "get_executable", lambda: "no interpreter")
     with closing(Pictures(n_node=9)) as some:
         some.draw(note, tmp_path / "a")
         some.settle()
