@@ -74,14 +74,14 @@ class Child:
             stdout=subprocess.PIPE,
             env=environment,
         )
-        self._is_heard = False
+        self._is_heard, self._parent = False, os.getpid()
         # A child that is starting, or busy, does not read what is larger than the pipe.
         self._giving = ThreadPoolExecutor(1, thread_name_prefix="calls")
         self._giving.submit(self._give, pickle.dumps(sys.path))
 
     def lives(self) -> bool:
-        """Whether the process has not ended."""
-        return self._process.poll() is None
+        """Whether the process has not ended; in a fork of the process that started it, False."""
+        return self._parent == os.getpid() and self._process.poll() is None
 
     def begin(self, function: Callable[..., Any], *arguments: Any) -> None:
         """Give it a call that can be pickled; calls are done one after the other."""
@@ -117,7 +117,7 @@ class Child:
             pass
 
     def __del__(self) -> None:
-        if self._process is not None:
+        if self._process is not None and self._parent == os.getpid():
             self.end()
 
     def _give(self, what: bytes) -> None:

@@ -24,7 +24,7 @@ SHORT = {
     "guillotine": STRIP,
     "through quads": STRIP | {"fracture.path": "free"},
     "oscillating": {"travel": "1 mm"},
-    "trouser": {"travel": "0.6 mm"},
+    "trouser": {"travel": "0.6 mm", "output.snapshots": 2, "output.curves": True},
     "disc": {"duration": "0.15 ms"},
 }
 """What makes a case of the digests short; all models of the package are among them."""

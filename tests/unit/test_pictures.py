@@ -1,5 +1,6 @@
 """Pictures beside a run: drawn in another process, in order; nothing is lost if that one dies."""
 
+import multiprocessing
 import os
 import sys
 import time
@@ -48,6 +49,23 @@ def test_another_process_draws_in_order_and_in_the_units_of_the_caller(tmp_path)
     with closing(Pictures(n_node=9)) as more:  # of the next run, by the same process
         more.draw(note, path)
     assert drawn(path)[-1] == [first, "mm"]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_fork_has_a_process_of_its_own(tmp_path):
+    def draw(name):
+        with closing(Pictures(n_node=9)) as some:
+            some.draw(note, tmp_path / name)
+
+    draw("before")
+    fork = multiprocessing.get_context("fork").Process(target=draw, args=["fork"])
+    fork.start()
+    fork.join()
+    draw("after")
+    first, in_fork, again = (drawn(tmp_path / name)[0][0] for name in ("before", "fork", "after"))
+    assert first == again
+    assert in_fork not in (first, str(os.getpid()), str(fork.pid))
 
 
 def test_of_a_large_film_one_picture_is_pending(tmp_path):

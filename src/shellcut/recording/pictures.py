@@ -44,8 +44,10 @@ class Pictures:
         """
         self._wait(0 if self._child is None else self._most - 1)
         if self._child is None:
+            idle = [child for child in _idle if child.lives()]
+            _idle[:] = idle[1:]
             with suppress(OSError):  # no process may be started
-                self._child = _idle.pop() if _idle else Child()
+                self._child = idle[0] if idle else Child()
         call = _in_units, units_shown(), function, *arguments
         self._pending.append(call)
         if self._child is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from contextlib import ExitStack
 from pathlib import Path
 
 from shellcut.files.folder_lock import TakenFolder
@@ -126,10 +125,11 @@ class RunFiles:
         self.lost = False
 
     def close(self) -> None:
-        """Wait for pictures, and close the files."""
-        with ExitStack() as all_of_them:
-            for part in (self.history, self.frames, self.pictures):
-                all_of_them.callback(part.close)
+        """Close the files."""
+        try:
+            self.frames.close()
+        finally:
+            self.history.close()
 
     def give_up(self) -> None:
         """Close the files of a run that did not start; remove them unless it was to resume."""
