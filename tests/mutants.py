@@ -33,7 +33,7 @@ ROOT = Path(__file__).resolve().parents[1]
 ID = "place", "column", "line", "was", "is"  # what tells mutants apart in the record
 SMALLEST = 1e-6
 WHOLE = "tests/unit/test_friction.py"  # passes in the copy, or no mutant is tried
-CPU_SECONDS = 1200  # what runs longer is in an endless loop
+CPU_SECONDS = 3600  # what runs longer is in an endless loop
 ROOMS = {
     "mitc4": "quad_forces shell centre_stress quad_frequency small_matrices tip_force "
     "yielding_film statics integrator time_step cut_loads start_check freedoms",
@@ -210,7 +210,7 @@ def reaches(file, other):
 
 
 def tests_for(name):
-    """Return the tests of a file: of its name, the first of its room, those that import it."""
+    """Return the tests of a file: of its name, of its room, those that import it, whole runs."""
     path = Path(name)
     room = next(one for one in ROOMS if name.startswith(f"src/shellcut/{one}"))
     module = ".".join(path.with_suffix("").parts[1:])
@@ -221,7 +221,8 @@ def tests_for(name):
     named = [one for one in every if Path(one).stem == f"test_{path.stem}"]
     word = re.compile(rf"\b{re.escape(module)}\b")
     importing = [one for one in of_room + every if word.search((ROOT / one).read_text())]
-    return list(dict.fromkeys([*named, of_room[0], *importing, *of_room]))
+    first = dict.fromkeys([*named, of_room[0], *importing, *of_room])
+    return [*first, "tests/verification", "tests/regression"]
 
 
 class Copy:
