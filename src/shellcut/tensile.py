@@ -165,8 +165,15 @@ def evaluate_tensile(
     rising, loaded = x[: peak + 1], y[: peak + 1]
     start = _yield(rising, loaded, young, offset)
     yield_stress, plastic, true = float("nan"), np.zeros(0), np.zeros(0)
-    if start is None:
+    if start is None and _yield(x, y, young, offset) is None:
         notes.append(f"the film tears before a plastic strain of {100.0 * offset:g} %: no yield")
+    elif start is None:
+        notes.append(
+            "the stress falls from the yield point on, as where a film necks: the hardening that "
+            "follows is not known, so the yield stress stays constant"
+        )
+        yield_stress = float(y[peak])
+        plastic, true = np.array([0.0, offset]), y[[peak, peak]] * (1.0 + x[peak])
     else:
         yield_stress = float(start[1])
         plastic, true = _hardening(rising, loaded, young, float(start[0]))

@@ -23,6 +23,7 @@ from shellcut.meshing import rectangle
 from shellcut.model_file.reader import model_of_text
 from shellcut.models import Case, guillotine
 from shellcut.results.answers import answers
+from shellcut.results.verdict import verdict
 
 FILM = sc.ShellMaterial.homogeneous()
 YOUNG, THICKNESS = 1678.0, 0.074
@@ -264,6 +265,39 @@ def test_a_glued_film_can_be_relaxed():
 LAW = {"energy": 0.05, "strength": 0.5, "stiffness": 40.0, "shear": 0.7}
 
 
+def stretched(displacement):
+    """Return a glued strip that is pinned at both ends and relaxed after a displacement."""
+    mesh = rectangle(6.0, 2.0, size=0.5)
+    ends = [sc.Support(np.flatnonzero(np.isclose(mesh.nodes[:, 0], x))) for x in (0.0, 6.0)]
+    glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=0.05, strength=0.5)
+    sim = sc.Simulation(mesh, FILM, supports=ends, terms=[glue])
+    if displacement:
+        sim.relax(displacement * mesh.nodes * np.array([1.0, 0.0, 0.0]))
+    return sim
+
+
+def test_a_film_that_is_stretched_before_the_run_is_glued_as_it_lies_then(tmp_path):
+    sim = stretched(0.005)
+    points = glue_of(sim).points
+    assert np.ptp(points.base[:, 0]) == pytest.approx(6.03, rel=1e-9)
+    assert not glue_of(sim).damage.any()
+    assert np.abs(points.traction).max() < 0.5
+    for _ in range(20):
+        sim.step()
+    sc.save_checkpoint(sim, tmp_path / "c.h5")
+    again = stretched(0.0)
+    sc.load_checkpoint(again, tmp_path / "c.h5")
+    for one in (sim, again):
+        for _ in range(20):
+            one.step()
+    np.testing.assert_array_equal(again.state.node.x, sim.state.node.x)
+
+
+def test_a_cut_through_glued_film_has_a_summary(tmp_path):
+    glued_cut().run(tmp_path, n_snapshot=0, progress=False)
+    assert sc.read(tmp_path).summary["adhesion_damaged_rel"] > 0.0
+
+
 def test_traction_on_any_path_is_that_of_the_plain_law():
     mesh = rectangle(1.0, 1.0, size=1.0)
     normal = np.array([0.2, -0.3, 0.9]) / np.linalg.norm([0.2, -0.3, 0.9])
@@ -325,6 +359,7 @@ def test_forces_of_single_rows_add_up_and_leave_the_points_as_they_are():
         ({"nodes": "left"}, "no quad has all its nodes"),
         ({"quads": [99]}, "must lie in 0..7"),
         ({"quads": [0], "normal": [0.0, 0.0, 0.0]}, "must have a direction"),
+        ({"quads": [0], "name": "in/out"}, "must have letters, digits"),
         ({"quads": [0], "strength": 1.0, "stiffness": 2.0}, "stiffness of adhesion must be above"),
     ],
 )
@@ -351,8 +386,14 @@ def test_what_the_quads_resolve_of_a_glue_is_said():
     summary = {**glued_cut().simulation.terms.summary(), **damaged}
     said = "it holds, but 10 % of its area is damaged and lifted by up to 0.02 mm"
     assert answers(summary) == [("adhesion", said)]
-    (_, unsure), *_ = answers({**summary, "adhesion_resolved_rel": 0.9})
+    coarse = {**summary, "adhesion_resolved_rel": 0.6}
+    (_, unsure), *_ = answers(coarse)
     assert unsure == f"{said} (doubtful: the quads do not resolve how it peels)"
+    gone = {**coarse, "adhesion_let_go_rel": 0.05}
+    (snaps,) = [one for one in verdict(gone) if "snaps off adhesion" in one.text]
+    assert snaps.kind == "doubt"
+    assert "0.9 sides of the quads" in snaps.text
+    assert not [one for one in verdict(coarse) if "snaps" in one.text]
 
 
 def test_a_fold_too_small_for_tears_is_doubted_where_the_film_may_crack():

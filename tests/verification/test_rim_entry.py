@@ -42,3 +42,27 @@ def test_the_force_over_the_rim_is_that_of_the_drawn_cables(size, tolerance, bes
     for a, b in ((0.6, 1.0), (1.0, 1.4), (1.4, 1.8)):
         expected = growth([a, b], [drawn(a, film), drawn(b, film)], a, b)
         assert growth(way - AHEAD, work, a, b) == pytest.approx(expected, rel=tolerance)
+
+
+@pytest.mark.parametrize("beside", [-0.45, -0.25, -0.05, 0.15, 0.35])
+def test_wide_quads_are_entered_wherever_the_edge_comes_upon_them(beside):
+    size, wide = 0.4, 3.0
+    mesh = rectangle(2.0, 2.4, size=size)
+    nodes = mesh.nodes * np.array([1.0, wide, 1.0])
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    blade = straight_blade(half_thickness=0.05, length=4.0, height=3.0).translated(
+        (low[0] - AHEAD, 0.5 * (low[1] + high[1]) + beside * wide * size, 0.0)
+    )
+    clamp = sc.Support.clamped(np.flatnonzero(np.isin(nodes[:, 1], (low[1], high[1]))))
+    sim = cut_by(
+        blade,
+        sc.Mesh.from_arrays(nodes, mesh.quads),
+        6000.0,
+        ramp=5e-5,
+        law=LAW,
+        supports=[clamp],
+    )
+    reached = moved_by(AHEAD + 0.1)
+    while not reached(sim):
+        sim.step()
+    assert sim.state.crack_length > 0.0

@@ -72,7 +72,8 @@ class ModelCheck:
 def support_of(sim: Simulation) -> Bools:
     """Return the fixed components of each node of the mesh, by supports and glue, (n_node, 6)."""
     support = sim.state.node.support[: sim.mesh.n_node].copy()
-    support[sim.terms.fixed_nodes(sim.state), :3] = True
+    fixed = sim.terms.fixed_nodes(sim.state)
+    support[fixed[fixed < sim.mesh.n_node], :3] = True  # cuts have added others
     return support
 
 

@@ -39,6 +39,12 @@ def _replaced(noted: bytes) -> Iterator[tuple[int, bytes]]:
             yield first, noted[at - n : at]
 
 
+def _part(first: int, n: int, size: int, is_new: bool) -> tuple[int, int]:
+    """Return which bytes of a piece lie beyond a size, or before it."""
+    split = min(max(size - first, 0), n)
+    return (split, n) if is_new else (0, split)
+
+
 class HdfTarget(io.RawIOBase):
     """A binary file, created, opened again or read, for ``h5py.File``; close it after that."""
 
@@ -77,9 +83,17 @@ class HdfTarget(io.RawIOBase):
             old = [
                 (first, self._stored(first, min(end, self._kept) - first)) for first, end in spans
             ]
+            # What is new comes first: the index names nothing that is not in the file.
+            pieces = [
+                (first + begin, data[begin:end])
+                for is_new in (True, False)
+                for first, data in self._in_memory
+                for begin, end in [_part(first, len(data), self._kept, is_new)]
+                if begin < end
+            ]
             try:
                 self._note(old)
-                self._put(self._in_memory, self._size)
+                self._put(pieces, self._size)
             except OSError as failure:
                 self._failure = failure
                 with suppress(OSError):

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3, norm
 from shellcut.contact.near_nodes import NearNodes
 from shellcut.contact.unfelt_depth import crossing
 from shellcut.mitc4.shell import MITC4Shell
@@ -82,21 +82,23 @@ class EnteredFilm(Kept):
         everywhere: bool,
     ) -> None:
         self._area, self._chain, self._everywhere = shell.area, chain, everywhere
-        size = float(np.sqrt(shell.area.max()))
+        # From the first node of a row to the others, twice as far where the film is stretched.
+        corners = state.node.X[state.quads]
+        reach = 2.0 * float(norm(corners[:, 1:] - corners[:, :1]).max())
         self._at_border, self._open = np.unique(boundary_edges(state)), np.zeros(0, np.bool_)
         quad = table_of(state, film, [(0, (0.0, 0.0))], [()])  # of any whole quad
         start = edges.segments[:, START]
         both = np.stack([start, start + edges.segments[:, VECTOR]], axis=1)
         ends = [both[chain == c] for c in range(int(chain.max()) + 1)]
-        self._low = np.array([chain_ends.min(axis=(0, 1)) - size for chain_ends in ends])
-        self._high = np.array([chain_ends.max(axis=(0, 1)) + size for chain_ends in ends])
+        self._low = np.array([chain_ends.min(axis=(0, 1)) - reach for chain_ends in ends])
+        self._high = np.array([chain_ends.max(axis=(0, 1)) + reach for chain_ends in ends])
         n_most = len(ends) * _CANDIDATES
         self._row, self._segment = np.full(n_most, -1), np.full(n_most, -1)
         self._place = np.zeros((n_most, 2))
         self._first: Ints = np.zeros(0, np.int64)
         self._rows = self._first
         self._listed = -1  # search whose nodes the rows are of
-        self._near = NearNodes(self._low, self._high, size)
+        self._near = NearNodes(self._low, self._high, reach)
         self._addresses = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
         self._find = BoundOnce(_entered)
 

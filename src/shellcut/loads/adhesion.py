@@ -190,6 +190,10 @@ class Points(NamedTuple):
     """p at t_{n-1}, replaced by that at t_n [MPa]."""
 
 
+_KEPT = "base", "largest", "parted", "traction"
+"""Columns of the points in a checkpoint."""
+
+
 class GluePoints(ForceTerm):
     """The glue points of a film.
 
@@ -249,16 +253,19 @@ class GluePoints(ForceTerm):
             traction=np.zeros((n, 3)),
         )
         self._known = KnownTopology()
-        self._begun = False
         self._call = BoundOnce(add_glue)
 
+    def begin(self, state: State) -> None:
+        """Take the base to be where the film lies now; nothing is damaged."""
+        p = self.points
+        p.base[:] = state.node.x[p.node]
+        for column in (p.largest, p.parted, p.traction):
+            column[:] = 0.0
+
     def add_forces(self, state: State, pose: Pose) -> None:
-        """Add the forces at t_n; at the first call the base is where the film lies."""
+        """Add the forces at t_n."""
         self._follow_cuts(state)
         n = state.node
-        if not self._begun:
-            self.points.base[:] = n.x[self.points.node]
-            self._begun = True
         self._call(self.points, self.law, n.x, n.force_rows, self.touch.sums)
 
     def _follow_cuts(self, state: State) -> None:
@@ -286,8 +293,8 @@ class GluePoints(ForceTerm):
 
     @property
     def resolved(self) -> float:
-        """Zone or radius, the smaller, over that which the quads resolve; 1 or more is enough."""
-        return (1.0 + 1e-9) * min(self.zone, self.fold) / (ZONE_SIDES * self.side)
+        """The zone over the shortest that the quads resolve; 1 or more is enough."""
+        return (1.0 + 1e-9) * self.zone / (ZONE_SIDES * self.side)
 
     @property
     def damage(self) -> Floats:
@@ -353,16 +360,14 @@ class GluePoints(ForceTerm):
         }
 
     def saved(self) -> dict[str, Any]:
-        """Return history, and work and forces of the last step."""
-        p = self.points
-        kept = {"largest": p.largest, "parted": p.parted, "traction": p.traction}
-        return {"sums": self.touch.sums, **kept}
+        """Return base and history, and work and forces of the last step."""
+        return {"sums": self.touch.sums, **{name: getattr(self.points, name) for name in _KEPT}}
 
     def restore(self, state: State, pose: Pose, saved: dict[str, Any]) -> None:
         """Take over :meth:`saved`."""
         self._follow_cuts(state)
         self.touch.sums[:] = saved["sums"]
-        for name in ("largest", "parted", "traction"):
+        for name in _KEPT:
             getattr(self.points, name)[:] = saved[name]
 
 

@@ -256,7 +256,7 @@ def _torn(
     full = broken & (crack >= _TORN * crack[-1]) & _within(history[coordinate[0]], between)
     rows = tear.joints[full[tear.joints]] if between is None else np.flatnonzero(full)
     if not len(rows):
-        raise _NoWindow("the crack did not grow")
+        raise _NoWindow("the crack hardly grew after its first cable had broken")
     return [tear], int(rows[0]), int(rows[-1])
 
 

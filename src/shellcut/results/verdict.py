@@ -13,6 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
+from shellcut.loads.adhesion import ZONE_SIDES
+
 from .energy_account import (
     ASKED_FOR,
     DRIVERS,
@@ -77,7 +79,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
     """
     lines = [Line("doubt", f"Before the run: {text}") for text in doubts]
     lines += [line for judge in _JUDGES for line in judge(figures)]
-    if lines:
+    if lines and may_crack(figures):
         lines.append(
             Line(
                 "note",
@@ -188,7 +190,12 @@ def is_of_a_tool(figures: Figures) -> bool:
 def _not_come_far(figures: Figures) -> bool:
     """Whether a run was stopped before any cable broke: the first touch is all vibration."""
     stopped = figures.get("share_done", 1.0) < 1.0
-    return bool(stopped and figures.get("n_cable_broken", 1) == 0)
+    return bool(stopped and may_crack(figures) and figures.get("n_cable_broken", 1) == 0)
+
+
+def may_crack(figures: Figures) -> bool:
+    """Whether the film of a run may crack: a film without a cohesive law may not."""
+    return bool(figures.get("options", {"path": ""}).get("path") is not None)
 
 
 def _energies(figures: Figures) -> Iterator[Line]:
@@ -344,6 +351,22 @@ def _depths(figures: Figures) -> Iterator[Line]:
         )
 
 
+def _glue(figures: Figures) -> Iterator[Line]:
+    """Yield the doubts of glue that has let go on quads that do not resolve how it peels."""
+    ending = "_resolved_rel"
+    for name in (key.removesuffix(ending) for key in figures if key.endswith(ending)):
+        resolved = figures[f"{name}{ending}"]
+        if resolved < 1.0 and figures.get(f"{name}_let_go_rel", 0.0) > 0.0:
+            yield Line(
+                "doubt",
+                f"The film snaps off {name} from quad to quad, and the force that peels it is too "
+                f"high: the zone over which it lets go has {ZONE_SIDES * resolved:.2g} sides of "
+                f"the quads (limit {ZONE_SIDES:g}). At 1.1 sides the force was too high by 1 %, at "
+                "0.9 by a fifth, at 0.8 it was more than twice as high. Use quads with sides at "
+                f"most {resolved:.2g} times as long, or a lower strength of the glue.",
+            )
+
+
 def single_doubts(figures: Figures) -> Iterator[Line]:
     """Yield the notes on single values that are doubtful, while the others may be right."""
     if distrusted_figures(figures):
@@ -377,7 +400,7 @@ def distrusted_figures(figures: Figures) -> tuple[str, ...]:
 
 def _cut(figures: Figures) -> Iterator[Line]:
     """Yield whether anything was cut, where, and whether the edge met its cables in time."""
-    if figures.get("n_cable_created") == 0:
+    if figures.get("n_cable_created") == 0 and may_crack(figures):
         why = "the tool never touched the film" if never_touched(figures) else "no cable was made"
         where = ""
         if is_of_a_tool(figures):
@@ -529,6 +552,7 @@ _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _depths,
     single_doubts,
     _cut,
+    _glue,
     _account,
     _window,
     _stored,

@@ -6,6 +6,7 @@ wrenches, works out the work of the tool and adds the works of each term to the 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from math import sqrt
@@ -189,6 +190,11 @@ class ForceTerms:
 
 def _check(terms: Sequence[ForceTerm]) -> None:
     names = [term.name for term in terms]
+    if odd := [name for name in names if not re.fullmatch(r"[\w.-]+", name)]:
+        raise ValueError(
+            "the name of a force term, which is that of its columns, must have letters, digits, "
+            f"'.', '_' and '-' only, got {', '.join(map(repr, odd))}"
+        )
     if len(set(names)) < len(names) or _OWN_NAMES & set(names):
         raise ValueError(
             f"force terms must have different names, and none of {', '.join(sorted(_OWN_NAMES))}; "

@@ -215,4 +215,11 @@ class StabilityGuard:
             )
         else:
             key = "safety" if fixed is None else "fixed"
-            yield f"The step was {s.dt:.4g} s, {safe:.4g} s is safe: lower time.{key}."
+            if s.dt > safe:
+                yield f"The step was {s.dt:.4g} s, {safe:.4g} s is safe: lower time.{key}."
+            else:
+                yield (
+                    f"The step of {s.dt:.4g} s was as short as the stiffness of film and force "
+                    f"terms needs, {safe:.4g} s: is a term stiffer than it says (ForceTerm."
+                    f"stiffness)? Else lower time.{key}."
+                )

@@ -68,6 +68,8 @@ def find_rest(
     before = n.x[: n.count].copy(), n.t[: n.count].copy(), state.history.copy()
     if displacement is not None:
         n.x[: n.count] += node_rows("displacement", displacement, n.count)
+        for term in terms:
+            term.begin(state)
     n.support_rate[: n.count] = 0.0
     edge = float(np.sqrt(shell.area.mean()))
     film = _Swing(state, shell, time_step)
@@ -80,6 +82,8 @@ def find_rest(
         if not strain <= most_strain:
             message = _flown_apart(state, shell, step, strain)
             n.x[: n.count], n.t[: n.count], state.history[:] = before
+            for term in terms:
+                term.begin(state)
             film.stop()
             raise NotAtRest(message)
         film.kick(step)

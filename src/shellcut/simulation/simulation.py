@@ -230,6 +230,8 @@ class Simulation:
         shape.displace(self.state)
         self.imperfection = shape
         """With which the film begins."""
+        for term in self._given:
+            term.begin(self.state)
         self._start()
 
     def _state_at_start(self, velocity: Floats | None) -> State:
@@ -361,7 +363,7 @@ class Simulation:
         displacement : ndarray, shape (n_node, 3), optional
             Moves all nodes first, also those that a notch has added [mm]; supports then keep them
             where they are, so a stretched film is given by the displacement of its border (and any
-            guess inside).
+            guess inside). Glue is begun there: it holds the film where this puts it.
         tolerance : float
             Largest free nodal force over the largest reaction or load.
         most_steps : int

@@ -86,6 +86,13 @@ class ForceTerm:
         """
         return self
 
+    def begin(self, state: State) -> None:
+        """Take the film where it lies now as its start; by default nothing depends on that.
+
+        Called before the first evaluation, and when :meth:`.Simulation.relax` has displaced the
+        film.
+        """
+
     def add_forces(self, state: State, pose: Pose) -> None:
         """Add its forces at t_n to the nodal forces, with the tool at its pose of t_n.
 
