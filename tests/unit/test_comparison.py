@@ -21,7 +21,9 @@ DISCRETISATION = 2e-4
 
 
 # Of a history with no more than a torque.
-NO_MEAN = ("no steady window, so no mean: the history lacks the cut length of each cutting edge",)
+NO_MEAN = (
+    "no steady window, so no mean: the history has no cut length, as of a tool without cutting edges",
+)
 
 
 def sine(angle, shift=0.0):

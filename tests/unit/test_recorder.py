@@ -281,6 +281,20 @@ def test_bar_lines_and_account_say_one_percentage(tmp_path, monkeypatch, capsys)
     assert capsys.readouterr().err.count("100 %") == 1  # the energies are in run.log only
 
 
+def test_another_present_folder_changes_neither_a_run_nor_its_results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sim = still()
+    recorder = Recorder(sim, "out", until=END, name="cut", checkpoint_every=0.0, **RECORDS)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    sim.run(END, [recorder])
+    monkeypatch.chdir(tmp_path)
+    results = read("out")
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert results.frame(-1).time == sim.state.time
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
 def test_frames_are_in_the_file_before_their_checkpoint(tmp_path, monkeypatch):
     written, lacking = [], []
 

@@ -113,7 +113,11 @@ def test_a_run_cut_short_says_the_same_of_what_it_has(n_row):
 @pytest.mark.parametrize(
     ("last", "edges", "said"),
     [
-        (95.0, [], "the history lacks the cut length of each cutting edge"),
+        (
+            95.0,
+            [],
+            "the history has no cut length, as of a tool without cutting edges",
+        ),
         (95.0, [{"rate": 0.0}], "no cable was bent around a cutting edge"),
         (-1.0, [{"rate": 0.0}], "no cable was bent around a cutting edge"),
         (9.9, [{}], "cutting edge 1 has cut 1.6 mm, and none of its cables has broken"),

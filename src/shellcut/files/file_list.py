@@ -157,13 +157,13 @@ def _refuse_needed(path: Path, inputs: Iterable[str | os.PathLike[str]]) -> None
 
 
 def folder_named(path: str | os.PathLike[str]) -> Path:
-    """Return the path of a folder to write to.
+    """Return the absolute path of a folder to write to, whatever the present folder becomes.
 
     An empty one, which would be the present folder, is refused.
     """
     if not os.fspath(path):
         raise ValueError("the folder for the results must have a name, got an empty one; . is here")
-    return Path(path)
+    return Path(path).absolute()
 
 
 def _read(folder: Path, record: str) -> list[str] | None:

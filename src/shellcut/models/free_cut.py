@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,9 +15,11 @@ from shellcut.checks.row import lies_under, row_of
 from shellcut.checks.sweep import Sweep
 from shellcut.fracture.notch_line import row_at
 from shellcut.fracture.options import Fracture
-from shellcut.loads.supports import Support
+from shellcut.loads.film_motion import FilmMotion, in_film
+from shellcut.loads.supports import Support, SupportSet
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.mitc4.initial_state import initial_state
 from shellcut.simulation.simulation import Simulation
 from shellcut.tool.motion import Motion, ScrewMotion, StraightMotion
 from shellcut.tool.table_motion import TableMotion
@@ -28,6 +31,9 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 _ROUND_OFF = 1e-9
+
+# Of a run, as many as a short one has.
+_STEPS = 2e4
 
 
 @checked
@@ -66,13 +72,14 @@ def free_cut(
     -------
     Case
     """
-    fracture = with_path(mesh, tool, motion, duration, options.get("fracture"))
-    options["fracture"] = fracture
+    supports = [*map(Support.clamped, clamp), *options.get("supports", ())]
+    seen = _seen_from_film(mesh, supports, motion, duration)
+    fracture = with_path(mesh, tool, seen, duration, options.get("fracture"))
+    options |= {"fracture": fracture, "supports": supports}
     through_quads, film = fracture.path == "free", mesh
-    sweep = whole_sweep(mesh, tool, motion, duration) if notch and tool.n_edge else None
+    sweep = whole_sweep(mesh, tool, seen, duration) if notch and tool.n_edge else None
     if sweep and not through_quads:
         film = mesh.cut(_notch_nodes(sweep, notch))
-    options["supports"] = [*map(Support.clamped, clamp), *options.get("supports", ())]
     simulation = Simulation(
         film,
         material or ShellMaterial.homogeneous(),
@@ -86,6 +93,18 @@ def free_cut(
         outside = row_at(simulation.state, before) is None
         simulation.notch(*([before] if outside else []), *points)
     return Case("free", simulation, duration)
+
+
+def _seen_from_film(
+    mesh: Mesh, supports: Sequence[Support], motion: Motion, duration: float
+) -> Motion:
+    """Return the motion of a tool as seen from a film that its supports may move."""
+    state, held = initial_state(mesh), SupportSet(mesh, supports)
+    held.initialise(state)
+    film = FilmMotion.of(held, state)
+    if film is not None:
+        film.begin(state, duration / _STEPS)
+    return in_film(film, motion, duration)
 
 
 def with_path(

@@ -407,8 +407,7 @@ class Recorder:
         if to_file:
             self._files.frames.append(frame)
         if to_picture and self._can_draw:
-            # The other process may be in another folder.
-            path = self._files.new_picture(self._schedule.n_picture).absolute()
+            path = self._files.new_picture(self._schedule.n_picture)
             self._schedule.n_picture += 1
             high = None if self._strength is None else shown("MPa")[1] * self._strength
             self._files.pictures.draw(_draw_snapshot, path, frame, Look(low=0.0, high=high))
@@ -438,8 +437,7 @@ class Recorder:
         write_splits(self.folder / SPLITS, self._sim.state.splits)
         write_text(self.folder / SUMMARY, json.dumps(said, indent=2) + "\n")
         if self._draws_curves and len(results.history["time"]) > 1:
-            frames = result_file(self.folder, self.name).absolute()
-            self._files.pictures.draw(_draw_curves, frames)
+            self._files.pictures.draw(_draw_curves, result_file(self.folder, self.name))
 
 
 def _draw_snapshot(path: Path, frame: Frame, look: Look) -> None:

@@ -258,7 +258,7 @@ def read(path: str | os.PathLike[str]) -> Results:
     >>> results.frame(-1).points.shape  # doctest: +SKIP
     (3219, 3)
     """
-    file = result_in(Path(path))
+    file = result_in(Path(path)).absolute()
     folder = file.parent
     history, summary, splits = history_in(folder), summary_in(folder), read_splits(folder / SPLITS)
     return Results(folder, file.stem, VtkHdfReader(file), history, summary, splits)

@@ -325,7 +325,7 @@ def _cuts(history: Mapping[str, Floats]) -> list[_Cut]:
     """Return the cuts to consider."""
     edges = [name.removeprefix(CUT_LENGTH) for name in history if name.startswith(CUT_LENGTH)]
     if not edges:
-        raise _NoWindow("the history lacks the cut length of each cutting edge")
+        raise _NoWindow("the history has no cut length, as of a tool without cutting edges")
     longest = max(float(history[CUT_LENGTH + edge].max(initial=0.0)) for edge in edges)
     if longest == 0.0:
         raise _NoWindow("no cable was bent around a cutting edge")

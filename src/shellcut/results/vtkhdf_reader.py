@@ -44,7 +44,7 @@ class VtkHdfReader:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = Path(path).absolute()
         self.times: Floats = np.zeros(0)
         """Time of every frame, shape (n_frame,), [s]."""
         self.coordinates: Floats = np.zeros(0)
