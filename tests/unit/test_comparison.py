@@ -22,7 +22,8 @@ DISCRETISATION = 2e-4
 
 # Of a history with no more than a torque.
 NO_MEAN = (
-    "no steady window, so no mean: the history has no cut length, as of a tool without cutting edges",
+    "no steady window, so no mean: the history has no cut length, as of a tool without "
+    "cutting edges",
 )
 
 

@@ -163,6 +163,15 @@ def test_no_row_lies_under_a_path_along_a_cut_or_where_nothing_cuts():
         assert lies_under(Sweep.of(mesh, blade(y, length=6.0), ALONG, 5e-4)) is under
 
 
+def test_the_notch_of_a_film_that_comes_to_the_tool_is_that_of_a_tool_that_comes():
+    mesh, came = rectangle(8.0, 4.8, size=0.8), {"velocity": {"x": lambda _: -3000.0}}
+    moved = [sc.Support(side, **came) for side in ("bottom", "top")]
+    rest = sc.TableMotion([0.0, 1e-3], np.zeros((2, 3)))
+    _, (mine,) = notched(mesh, blade(), rest, supports=moved)
+    _, (other,) = notched(mesh, blade(), sc.StraightMotion((1.0, 0.0, 0.0), speed=3000.0))
+    np.testing.assert_allclose(mine, other, atol=1e-9)
+
+
 def test_a_notch_along_a_straight_path():
     c, s = np.cos(0.3), np.sin(0.3)
     sharp = straight_blade(length=12.0, height=3.0)

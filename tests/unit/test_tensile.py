@@ -89,6 +89,16 @@ def test_closed_form_of_a_bilinear_film():
     assert (np.diff(test.true_stress) >= 0.0).all()
 
 
+@pytest.mark.parametrize("drop", [0.0, 2.0])
+def test_a_curve_that_does_not_rise_beyond_yield(drop):
+    strain = np.linspace(0.0, 0.3, 3001)
+    test = evaluate_tensile(strain, np.minimum(1500.0 * strain, 20.0 - drop * (strain > 0.02)))
+    assert test.yield_stress == test.strength == pytest.approx(20.0)
+    np.testing.assert_allclose(test.true_stress, 20.0 * (1.0 + test.strain_at_strength))
+    assert "falls from the yield point on" in str(test)
+    assert "stress = [20." in test.section()
+
+
 def test_noise():
     tests = [evaluate_tensile(*bilinear(noise=0.05, seed=k)) for k in range(20)]
     young = np.array([test.young for test in tests])
