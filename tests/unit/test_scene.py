@@ -228,6 +228,7 @@ def test_the_scale_of_a_run_ends_at_its_strength_in_the_unit_shown(tmp_path, mon
         lambda _figure, _look, limits, _shown, _box, label: ends.append((*limits, label)),
     )
     monkeypatch.setattr("shellcut.recording.pictures.Child", no_process)  # drawn here
+    monkeypatch.setattr("shellcut.recording.pictures._idle", [])
     strip = {"length": 6.0, "width": 4.0, "notch": 1.0, "travel": 0.2, "speed": 8000.0}
     case = guillotine(1.0, **strip, law=CohesiveLaw(strength=12.0))
     with showing("in, lbf"):
