@@ -221,9 +221,11 @@ def test_which_tooth(run_example, tmp_path):
     found = figures(tmp_path / "search" / "optimum.json")
     assert "cap_70.step" in said.splitlines()[0]
     for given, best in (found["compared"], found["confirmed"]):
-        # The steeper edge takes 3 to 6 % less, outside the ± of both, on both films.
-        assert 0.94 < best["figure"] / given["figure"] < 0.97
+        # In theory the cables of the steeper edge take 4.4 % less, and film and damping as much:
+        # 4.1 % of the torque. Ours is that within the ± of both, and no difference is outside.
         spread = (best["half_width"] ** 2 + given["half_width"] ** 2) ** 0.5
+        assert spread < 0.025 * given["figure"]
+        assert abs(best["figure"] - 0.959 * given["figure"]) < spread
         assert given["figure"] - best["figure"] > spread
     assert "no difference" not in said
 
