@@ -222,7 +222,7 @@ def test_which_tooth(run_example, tmp_path):
     assert "cap_70.step" in said.splitlines()[0]
     for given, best in (found["compared"], found["confirmed"]):
         # In theory the cables of the steeper edge take 4.4 % less, and film and damping as much:
-        # 4.1 % of the torque. Ours is that within the ± of both, and no difference is outside.
+        # 4.1 % of the torque. Ours agree with it within their ±, and differ by more than that.
         spread = (best["half_width"] ** 2 + given["half_width"] ** 2) ** 0.5
         assert spread < 0.025 * given["figure"]
         assert abs(best["figure"] - 0.959 * given["figure"]) < spread
