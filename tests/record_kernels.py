@@ -14,6 +14,7 @@ from free_model import FREE
 from shellcut.models.warmup import MODELS
 from shellcut.numerics.kernel_cache import KernelCache
 from shellcut.numerics.signature_text import written
+from shellcut.recording import pictures
 
 TARGET = Path(shellcut.__file__).parent / "models" / "kernels.json"
 QUICK = {"membrane.mesh": "quick"}
@@ -82,8 +83,18 @@ def _kernels():
                 yield f"{name}:{inside}", thing
 
 
+def draw_here():
+    """Let runs draw their pictures in this process, which calls the kernels of these, too."""
+
+    def no_process():
+        raise OSError
+
+    pictures.Child = no_process
+
+
 def run(name):
     """Carry out one of the runs and return its kernels."""
+    draw_here()
     model, settings = (SHORT | WITH_OPTIONS)[name]
     with tempfile.TemporaryDirectory() as folder:
         if "\n" in model:  # the text of a file

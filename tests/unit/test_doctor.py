@@ -68,8 +68,10 @@ TESTS = Path(__file__).parents[1]
 _SHORT_RUN = """
 import json, sys
 sys.path.insert(0, sys.argv[1])
-from record_kernels import called, listed
+from record_kernels import called, draw_here, listed
 import shellcut
+
+draw_here()
 
 model, settings = json.loads(sys.argv[2])
 few = {"n_row": 100, "n_frame": 10, "n_snapshot": 1, "curves": False}

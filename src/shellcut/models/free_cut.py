@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _ROUND_OFF = 1e-9
 
-# Of a run, as many as a short one has.
+# Steps of a run, by which the motion of its film is followed: as many as a short run takes.
 _STEPS = 2e4
 
 

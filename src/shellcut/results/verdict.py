@@ -194,7 +194,7 @@ def _not_come_far(figures: Figures) -> bool:
 
 
 def may_crack(figures: Figures) -> bool:
-    """Whether the film of a run may crack: a film without a cohesive law may not."""
+    """Whether the film of a run may crack: one without a cohesive law has no path of cracks."""
     return bool(figures.get("options", {"path": ""}).get("path") is not None)
 
 
