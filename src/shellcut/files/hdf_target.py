@@ -56,7 +56,7 @@ class HdfTarget(io.RawIOBase):
         self._size = self._kept  # with what is in memory
         self._in_memory: list[tuple[int, bytes]] = []
         self._failure: OSError | None = None
-        self._is_raised = self._is_read = mode == "r"
+        self._is_raised = mode == "r"  # there is nothing to write, and no failure to raise
         if mode == "w":
             self._undo.unlink(missing_ok=True)
         elif self._undo.exists():
