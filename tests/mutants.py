@@ -9,7 +9,8 @@ runs those that survived once more, as after new tests; ``--tests FILE ...`` nam
 A mutant turns round a comparison, a sum, a product, a sign or ``and``/``or``, swaps two operands or
 arguments, changes a number, negates a condition or leaves out the return of a branch. None is in a
 docstring, an annotation, a message, an assertion or a check of input that ends in an error. Numbers
-below 1e-6 stay: they guard against round-off, and one half as large again does as well.
+below 1e-6 stay: they guard against round-off, and one half as large again does as well. Signs stay
+within what gives the same for both, an absolute value, a norm or a square.
 
 A kernel is compiled anew if its module, or one that this imports, is changed. All others come from
 the cache of the copy without mutants, which the first run fills: the tests must pass there.
@@ -58,6 +59,7 @@ TURNED = {
 }
 ORDERED = (ast.Sub, ast.Div, ast.FloorDiv, ast.MatMult, ast.Pow, ast.Mod)
 ORDERED_CALLS = {"cross", "arctan2", "atan2", "sub"}
+EVEN_CALLS = {"abs", "norm", "hypot", "distance"}
 
 
 def left_out(node):
@@ -74,6 +76,16 @@ def left_out(node):
         case ast.If(test=ast.Name("TYPE_CHECKING")):
             return [node.test, *node.body]
     return []
+
+
+def is_even(node):
+    """Return whether a node gives the same for both signs of what it takes."""
+    match node:
+        case ast.Call(func=ast.Name(name) | ast.Attribute(attr=name)):
+            return name in EVEN_CALLS
+        case ast.BinOp(op=ast.Pow(), right=ast.Constant(value=2)):
+            return True
+    return False
 
 
 def mutants_of(source):
@@ -99,11 +111,12 @@ def mutants_of(source):
             case ast.BinOp(left=a, op=op, right=b):
                 yield from turned(a, op, b)
                 between = text(last(a), first(b))
-                if isinstance(op, ORDERED) and not {"(", ")"} & set(between):
+                swaps = isinstance(op, ORDERED) and not {"(", ")"} & set(between)
+                if swaps and not (isinstance(op, ast.Sub) and is_even(parent)):
                     yield *span, f"({text(first(b), last(b))}){between}({text(first(a), last(a))})"
             case ast.BoolOp(op=op, values=values):
                 yield from turned(values[0], op, values[1])
-            case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=a):
+            case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=a) if not is_even(parent):
                 yield *span, text(first(a), last(a))
             case ast.AugAssign(target=a, op=op, value=b) if type(op) in TURNED:
                 yield last(a), first(b), f" {TURNED[type(op)]}= "
@@ -114,7 +127,7 @@ def mutants_of(source):
             case ast.Constant(value=float()) if node.value == 0.0 or node.value >= SMALLEST:
                 yield *span, repr(1.5 * node.value or 1.0)
             case ast.Call(func=ast.Name(name) | ast.Attribute(attr=name), args=[a, b]):
-                if name in ORDERED_CALLS:
+                if name in ORDERED_CALLS and not is_even(parent):
                     swapped = f"{text(first(b), last(b))}, {text(first(a), last(a))}"
                     yield first(a), last(b), swapped
             case ast.Return() if isinstance(parent, ast.If):
