@@ -308,3 +308,20 @@ def test_refusals(tmp_path, text, words):
     with pytest.raises(FileError) as refused:
         table_of(tmp_path, text)
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("angle_deg", "moves", "unit"),
+    [(0.006, True, "mm"), (0.9, True, "mm"), (1.1, True, "rad"), (0.01, False, "rad")],
+)
+@pytest.mark.parametrize("noisy", [False, True])
+def test_noise_of_a_measured_angle_is_no_turn(angle_deg, moves, unit, noisy):
+    """Of a tool that moves on; each entry is within the angle of the first."""
+    share = np.linspace(0.0, 1.0, 41)
+    angle = share * (np.random.default_rng(3).uniform(-1.0, 1.0, 41) if noisy else 1.0)
+    angle[-1] = 1.0
+    vectors = np.radians(angle_deg) * angle[:, None] * [0.0, 0.6, 0.8]
+    motion = TableMotion(1e-3 * share, 8.0 * moves * share[:, None] * [1.0, 0, 0], vectors)
+    assert motion.coordinate_unit == unit
+    if unit == "mm":
+        assert motion.coordinate(1e-3) == pytest.approx(8.0, rel=1e-9)

@@ -10,6 +10,11 @@ and sense and all c lie on one line along it; it keeps a *line* if it does not t
 direction and sense. The coordinate of the motion must grow with the angle or the path itself; that
 of a user-written motion need not.
 
+A body that turns about a line of its own and moves on at u per radian, as a rolling wheel does, has
+an axis that moves, too. There c moves aside by d, the part of u across w. The line of the body that
+moves on at u lies beside c, at c + d x ê with ê = w/|w|, since there the turn gives ê x (d x ê) = d.
+The work per radian of a force F and the moment M about that line is M·ê + F·u.
+
 Screws and straight motions give their axis or line directly. For all others the twist is sampled at
 many instants, accurately enough to recognise a table of poses that turn about one axis.
 """
@@ -64,8 +69,8 @@ class Axis:
     advance: Vec3
     """Unit vector; the axial force is positive along it."""
     drift: Vec3 = (0.0, 0.0, 0.0)
-    """Displacement of the axis itself per radian [mm]: a screw may advance at an angle to its
-    axis."""
+    """Displacement of the axis itself per radian [mm], across its direction: a screw may advance at
+    an angle to its axis, and a wheel rolls."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +98,7 @@ class Instants:
 def kept_axis(motion: Motion, until: float, stray: float = 0.0) -> Axis | Line | None:
     """Return the fixed axis or line of a motion from t = 0 to ``until`` [s], None if neither.
 
-    stray : how far an axis may stray [mm], of a motion as seen from a film that moves. Such an axis
-    may also drift at a steady rate, as that of a screw over a film that moves aside.
+    stray : how far an axis may stray [mm], of a motion as seen from a film that moves.
     """
     # Not isinstance: a derived class may move differently.
     if type(motion) is ScrewMotion:
@@ -155,7 +159,7 @@ def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
     distance = np.linalg.norm(seen.shift, axis=1).max()
     round_off = _ROUND_OFF * np.linalg.norm(seen.origin, axis=1).max() + stray
     if wander > _SAME_PLACE * distance + round_off:
-        return _drifting(direction, place, seen, travel, stray) if stray > 0.0 else None
+        return _drifting(direction, place, seen, travel, _SAME_PLACE * distance + round_off)
     if norm(middle) <= _SAME_DIRECTION * distance + round_off:
         middle = np.zeros(3)
     ahead = float(product(seen.shift, direction).sum())
@@ -166,12 +170,12 @@ def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
 def _drifting(
     direction: Floats, place: Floats, seen: Instants, travel: Floats, stray: float
 ) -> Axis | None:
-    """Return an axis that moves aside with the angle, None if its places (n, 3) do not lie so."""
+    """Return an axis that moves on with the angle, None if its places (n, 3) do not lie so."""
     after, aside = travel - travel.mean(), place - place.mean(axis=0)
     drift = product(after, aside) / max(float(product(after, after)), np.finfo(float).tiny)
     if norm(aside - after[:, None] * drift).max() > stray:
         return None
-    start = place.mean(axis=0) - travel.mean() * drift
+    start = place.mean(axis=0) - travel.mean() * drift + np.cross(drift, direction)
     ahead = float(product(seen.shift, direction).mean())
     advance = unit(ahead * direction + drift)
     return Axis(_triple(direction), _triple(start), _triple(advance), _triple(drift))

@@ -34,6 +34,10 @@ LARGEST_FREE_TURN = 0.75 * pi
 the axis changes or the angles are known but for whole turns: near half a turn the shorter rotation
 is ambiguous."""
 
+LEAST_TURN = pi / 180.0
+"""Turn of a tool that moves, below which a table is one of a path [rad]: measured angles of a tool
+that does not turn have noise, and the work over so small an angle is no torque."""
+
 SAME_AXIS = 1e-9
 """Sine of the angle between two rotation vectors along one axis: far above round-off."""
 
@@ -67,7 +71,8 @@ class TableMotion:
     early and end a step late; a table that ends in motion therefore stops the tool abruptly.
 
     The coordinate is the travel of the tool, which only grows: the angle (integral of the angular
-    speed) if the table turns at all, otherwise the path of the body's origin.
+    speed) if the table turns by a degree or more, or by less about the body's origin at rest;
+    otherwise the path of that origin.
 
     Examples
     --------
@@ -113,7 +118,9 @@ class TableMotion:
         object.__setattr__(self, "_rotation", _rotation_cubics(step, turns).tolist())
         rows = [tuple(tuple(row) for row in matrix) for matrix in start.as_matrix().tolist()]
         object.__setattr__(self, "_start", rows)
-        object.__setattr__(self, "_turns", bool(turns.any()))
+        least = LEAST_TURN if shifts.any() else 0.0
+        turned_by = norm(np.cumsum(turns, axis=0)).max()
+        object.__setattr__(self, "_turns", bool(turns.any() and turned_by >= least))
         object.__setattr__(self, "_travel", self._sum_travel())
         names = ("times", "translations", "rotation_vectors")
         for name, array in zip(names, (times, translations, vectors), strict=True):
