@@ -248,7 +248,7 @@ def test_an_edge_point_is_clipped_to_its_segment_and_no_tool_has_none():
     for along, z in ((-0.5, 3.0), (0.0, 3.0), (2.0, 1.0), (6.0, -3.0), (7.0, -3.0)):
         np.testing.assert_allclose(edge_point(along, 0, edges.segments), [0, 0, z], atol=1e-15)
     edges = CuttingEdges.of(None)
-    assert edges.segments.shape == (0, 4, 3)
+    assert edges.segments.shape == (0, 5, 3)
     assert edges.tooth.shape == (0,)
     # A film with cables and without a tool takes the kernels of one with a tool.
     assert nb.typeof(edges) == nb.typeof(CuttingEdges.of(straight_blade()))

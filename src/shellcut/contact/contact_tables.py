@@ -128,7 +128,7 @@ class ContactTool(NamedTuple):
     """Subtracted from a distance from the surface [mm]."""
     triangle_tooth: Annotated[Ints, "(n_triangle,)"]
     """Tooth of each triangle."""
-    segments: Annotated[Floats, "(n_edge, 4, 3)"]
+    segments: Annotated[Floats, "(n_edge, 5, 3)"]
     """As in :class:`shellcut.tool.cutting_edge.CuttingEdges`."""
     undecided: float
     """Distance from the mid-plane up to which a node's quads decide its side, in local edge

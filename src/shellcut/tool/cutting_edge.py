@@ -10,6 +10,10 @@ and the segment *owns* it when 0 <= along <= L and 0 <= depth < ``CUT_DEPTH`` si
 film: the point then lies in the strip of the mid-plane behind the segment, ``lateral`` to one side
 of it. All in the body frame of the tool.
 
+Behind a concave corner, as of a hook, the strips of its two segments leave a wedge between them:
+k turns there by an angle phi. Each strip widens by tan(phi/2) times the depth at that end, so that
+they meet at the bisector.
+
 The edge may not yet have passed a point in the strip. At the end of an edge the body ends too,
 with an end face: below the tip of a tooth the relief rises backwards, and under a steep edge the
 strip reaches far below the blade. If the edge has passed a point, the blade is at the point or
@@ -26,7 +30,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, Vec3
+from shellcut.arrays import Floats, Ints, Vec3, unit
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.boxes import are_near, around_runs, box_around
 from shellcut.numerics.jit import inline
@@ -41,9 +45,12 @@ CUT_DEPTH = 4.0
 the tool. Nodes and cables are checked before the edge has moved by a third of a side
 (:mod:`shellcut.checks.plausible`), so film that is dragged along is still found."""
 
-STRIP_SLOPE = 0.2
-"""Neighbouring segments of a curved edge leave wedge-shaped gaps between their strips; each strip
-widens by this fraction of the depth at its ends, more than the edge turns at any vertex."""
+_STRIP_SLOPE = 0.2
+"""Share of the depth by which a strip widens at each end at least, also where the edge is twisted
+or ends."""
+
+# Least 1 + cos phi of a corner: the two segments of a deeper one nearly touch each other.
+_SLIT = 1e-3
 
 # Segments that have a box together.
 _RUN = 8
@@ -56,15 +63,16 @@ _ASIDE = 0.5
 # middle of the round is at 1.
 _BEHIND_ROUND = 1.25
 
-START, VECTOR, NORMAL, BACK = 0, 1, 2, 3
+START, VECTOR, NORMAL, BACK, SPREAD = 0, 1, 2, 3, 4
 """Rows of :attr:`CuttingEdges.segments`."""
 
 
 class CuttingEdges(NamedTuple):
     """The cutting-edge segments of a tool, for kernels."""
 
-    segments: Annotated[Floats, "(n_edge, 4, 3)"]
-    """a [mm], L e [mm], b and k of each segment."""
+    segments: Annotated[Floats, "(n_edge, 5, 3)"]
+    """a [mm], L e [mm], b and k of each segment, and by which shares of the depth its strip widens
+    at its start and its end."""
     tooth: Annotated[Ints, "(n_edge,)"]
     """Tooth of each segment."""
     solid: TriangleGrid
@@ -76,6 +84,8 @@ class CuttingEdges(NamedTuple):
     low: Annotated[Floats, "(n_run, 3)"]
     """Corners of the box around each run [mm]."""
     high: Annotated[Floats, "(n_run, 3)"]
+    widest: float
+    """Largest share of the depth by which a strip widens."""
 
     @classmethod
     def of(cls, tool: Tool | None) -> CuttingEdges:
@@ -86,15 +96,36 @@ class CuttingEdges(NamedTuple):
             none = np.zeros(0, np.int64)
             none.flags.writeable = False
             low, high = np.zeros((2, 0, 3))
-            return cls(np.zeros((0, 4, 3)), none, solid, 0.0, np.zeros(1, np.int64), low, high)
+            return cls(np.zeros((0, 5, 3)), none, solid, 0.0, np.zeros(1, np.int64), low, high, 0.0)
         start, end = tool.vertices[tool.edges[:, 0]], tool.vertices[tool.edges[:, 1]]
-        rows = [start, end - start, tool.edge_normal, tool.edge_back]
+        spread = _spread(tool, unit(end - start))
+        rows = [start, end - start, tool.edge_normal, tool.edge_back, spread]
         every = np.arange(tool.n_edge)
         of_chain = every - np.searchsorted(tool.edge_chain, tool.edge_chain)
         first = np.append(np.flatnonzero(of_chain % _RUN == 0), tool.n_edge)
         low, high = around_runs(np.stack([start, end], axis=1), first)
         segments = np.stack(rows, axis=1)
-        return cls(segments, tool.edge_tooth, solid, tool.edge_radius, first, low, high)
+        widest = float(spread.max(initial=0.0))
+        return cls(segments, tool.edge_tooth, solid, tool.edge_radius, first, low, high, widest)
+
+
+def _spread(tool: Tool, e: Floats) -> Floats:
+    """Return by which shares of the depth strips widen at start and end, shape (n_edge, 3).
+
+    e : (n_edge, 3), unit vectors of the segments.  The third column is zero.
+    """
+    found = np.zeros((tool.n_edge, 3))
+    found[:, :2] = _STRIP_SLOPE
+    starts, ends = tool.edges.T
+    order = np.argsort(starts, kind="stable")
+    after = order[np.searchsorted(starts[order], ends) % max(tool.n_edge, 1)]
+    one = np.flatnonzero((starts[after] == ends) & (tool.edge_chain[after] == tool.edge_chain))
+    k, two = tool.edge_back, after[one]
+    # tan(phi/2) = sin phi / (1 + cos phi), negative at a convex corner.
+    spread = np.maximum(1.0 + (k[one] * k[two]).sum(axis=1), _SLIT)
+    found[one, 1] = np.maximum(_STRIP_SLOPE, (k[two] * e[one]).sum(axis=1) / spread)
+    found[two, 0] = np.maximum(_STRIP_SLOPE, -(k[one] * e[two]).sum(axis=1) / spread)
+    return found
 
 
 @inline
@@ -111,7 +142,7 @@ def may_own(a: Vec3, b: Vec3, reach: float, deepest: float, run: int, edges: Cut
     :func:`strip_coordinates`; the strip is wider than the segment by a part of that.
     """
     low, high = box_around(a, b, a, b)
-    far = reach + (1.0 + STRIP_SLOPE) * deepest
+    far = reach + (1.0 + edges.widest) * deepest
     return are_near(low, high, load(edges.low, run), load(edges.high, run), far)
 
 
@@ -129,11 +160,11 @@ def strip_coordinates(
     depth = dot(d, segment_part(segments, k, BACK))
     if not 0.0 <= depth < deepest:
         return 0.0, lateral, depth, False
-    # Strips of neighbouring segments leave wedges between them on a curved edge: each is widened.
-    v, slack = segment_part(segments, k, VECTOR), STRIP_SLOPE * depth
+    v, spread = segment_part(segments, k, VECTOR), segment_part(segments, k, SPREAD)
     length = norm(v)
     along = dot(d, v) / length
-    return along, lateral, depth, -slack <= along <= length + slack
+    beside = -spread[0] * depth <= along <= length + spread[1] * depth
+    return along, lateral, depth, beside
 
 
 @inline
