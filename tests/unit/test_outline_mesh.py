@@ -46,6 +46,16 @@ class TestWithGmsh:
         # on the polygon's sides, whose middles lie 5 (1 - cos(pi / 300)) inside the circle
         assert np.ptp(radius) < 3e-4
 
+    @pytest.mark.parametrize("outer", [1, -1])
+    @pytest.mark.parametrize("inner", [1, -1])
+    def test_the_normal_is_up_whichever_way_the_loops_run(self, outer, inner):
+        hole = 0.8 * CIRCLE[::inner] + [2.0, 2.0]
+        mesh = mesh_from_outline(L_SHAPE[::outer], holes=[hole], size=1.0)
+        np.testing.assert_allclose(mesh.directors, np.tile([0.0, 0.0, 1.0], (mesh.n_node, 1)))
+        x, y, _ = mesh.nodes[mesh.node_sets["outline"]].T
+        runs = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
+        assert np.sign(runs) == outer  # the set runs as the outline is given
+
     @pytest.mark.parametrize("size", [0.37, 0.5, 0.71, 2.0, 20.0])
     def test_quads_only_at_any_size(self, size):
         mesh = mesh_from_outline(L_SHAPE, size=size)

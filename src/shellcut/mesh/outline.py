@@ -80,7 +80,7 @@ def mesh_from_outline(
         Option("mm", "distance from them where quads stay small", least=0, unset="size_near"),
     ] = None,
 ) -> Mesh:
-    """Return a plane mesh of quads within a polygon, with Gmsh.
+    """Return a plane mesh of quads within a polygon, with Gmsh; its normals are along +z.
 
     Between corners (:data:`CORNER_DEG`) the polygon is read as a smooth curve: nodes lie on it, but
     not on its vertices. Away from the points ``near`` sides grow up to ``size``.
@@ -126,7 +126,9 @@ def mesh_from_outline(
         )
     sets = {name: found[f"loop_{k}"] for k, name in enumerate(names)}
     sets["rim"] = sets["outline"]
-    return Mesh.from_arrays(found["nodes"], found["quads"], node_sets=sets)
+    # Gmsh's quads run around as the outline does.
+    quads = found["quads"] if _signed_area(polygons[0]) > 0.0 else found["quads"][:, ::-1]
+    return Mesh.from_arrays(found["nodes"], quads, node_sets=sets)
 
 
 @dataclass(frozen=True)
@@ -271,8 +273,13 @@ _NAMED = 4
 
 def area_of(polygon: Floats) -> float:
     """Return the area within a polygon, shape (n, 2)."""
+    return abs(_signed_area(polygon))
+
+
+def _signed_area(polygon: Floats) -> float:
+    """Return the area within a polygon, shape (n, 2), negative of one that runs clockwise."""
     x, y = (polygon - polygon[0]).T
-    return 0.5 * abs(float(product(x, np.roll(y, -1)) - product(y, np.roll(x, -1))))
+    return 0.5 * float(product(x, np.roll(y, -1)) - product(y, np.roll(x, -1)))
 
 
 def within(points: Floats, polygon: Floats) -> Bools:

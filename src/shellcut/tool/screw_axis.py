@@ -12,7 +12,7 @@ of a user-written motion need not.
 
 A body that turns about a line of its own and moves on at u per radian, as a rolling wheel does, has
 an axis that moves, too. There c moves aside by d, the part of u across w. The line of the body that
-moves on at u lies beside c, at c + d x ê with ê = w/|w|, since there the turn gives ê x (d x ê) = d.
+moves on at u lies beside c, at c + d x ê with ê = w/|w|, where the turn gives ê x (d x ê) = d.
 The work per radian of a force F and the moment M about that line is M·ê + F·u.
 
 Screws and straight motions give their axis or line directly. For all others the twist is sampled at
