@@ -138,7 +138,7 @@ class Contact:
         ),
     ] = None
     self_contact: Annotated[
-        bool, Option("", "whether film near cracks, and loose pieces, touch the film")
+        bool, Option("", "whether film near cracks, and each piece, touch other film")
     ] = False
     self_friction: Annotated[
         float, Option("", "Coulomb coefficient between film and film; 0 for none", least=0)

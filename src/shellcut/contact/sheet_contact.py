@@ -1,8 +1,8 @@
 """Contact of points with sheets of film: of the tool's corners and edges, and of film with film.
 
-*Film with film*: flaps behind the blade, a fold on the sheet, loose pieces. Points are the nodes
+*Film with film*: flaps behind the blade, a fold on the sheet, other pieces. Points are the nodes
 and the open flank points near cracks and notches, within ``_RINGS`` sides of them, and all nodes of
-pieces without a support. Connected film that is near no crack touches nothing.
+pieces that are loose or not the heaviest. A piece that is near no crack does not touch itself.
 
 *The tool*: nodes feel its faces; a corner of it that comes down between nodes feels the film here
 (:mod:`.tool_points`). The side of the film on which it is first near, facing it, is its own;
@@ -404,7 +404,7 @@ class SelfContact(SheetContact):
             near = n.halved[: n.count].copy()
             for _ in range(_RINGS):
                 near[quads[near[quads].any(axis=1)]] = True
-            near |= Pieces.of(state).loose_nodes(state)
+            near |= Pieces.of(state).nodes_that_meet_others(state)
             self._ids = np.flatnonzero(near & n.real[: n.count])
             beside = self.law.thickness / local_edge_length(n.contact_area[self._ids])
             self._rings = 1 + beside.astype(np.int64)

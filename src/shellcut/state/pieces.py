@@ -60,12 +60,16 @@ class Pieces:
         """Number of loose pieces."""
         return int(self.loose.sum())
 
-    def loose_nodes(self, state: State) -> Bools:
-        """Return which nodes belong to a loose piece, flank points included, shape (n_node,)."""
-        found = np.zeros(state.n_node, np.bool_)
-        found[state.quads[self.loose[self.of_row]]] = True
-        f = state.flank
-        found[f.node[: f.count]] = self.loose[self.of_row[f.row[: f.count]]]
+    def nodes_that_meet_others(self, state: State) -> Bools:
+        """Return which nodes belong to a loose piece, or to any but the heaviest, (n_node,).
+
+        Flank points included. Of two pieces that meet, one at least has its nodes among them.
+        """
+        of_piece = self.loose.copy()
+        of_piece |= np.arange(len(self.mass)) != np.argmax(self.mass)
+        found, f = np.zeros(state.n_node, np.bool_), state.flank
+        found[state.quads[of_piece[self.of_row]]] = True
+        found[f.node[: f.count]] = of_piece[self.of_row[f.row[: f.count]]]
         return found
 
 
