@@ -461,3 +461,21 @@ def test_angles_of_a_sensor_that_jumps_are_doubted_until_they_are_unwrapped():
     assert "set unwrap = true" in text
     assert not said([357.0, 359.0, 1.0, 3.0], unwrap=True)
     assert not said([0.0, 270.0, 720.0])
+
+
+@pytest.mark.parametrize("wrong", ["", "spin", "velocity"])
+@pytest.mark.parametrize("about", [(0.0, 0.0, 0.0), (3.0, -40.0, 2.0)])
+def test_a_motion_whose_twist_is_not_the_rate_of_its_pose_is_doubted(wrong, about):
+    screw = shellcut.ScrewMotion(150.0, ramp=1e-4, axis=(0.0, 0.3, -1.0), axis_point=about)
+
+    class Own:
+        coordinate_unit, pose, coordinate = "rad", screw.pose, screw.coordinate
+
+        def twist(self, time):
+            spin, velocity = screw.twist(time)
+            moved = np.array([0.0, 1e3, 0.0]) if wrong == "velocity" else 0.0
+            return 1.1 * spin if wrong == "spin" else spin, velocity + moved
+
+    said = [str(f) for f in found(strip_cut(motion=Own())) if "the rate of its pose" in str(f)]
+    assert len(said) == bool(wrong)
+    assert all(f"got a {wrong} of (" in one and "method twist of Own" in one for one in said)

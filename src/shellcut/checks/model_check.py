@@ -16,7 +16,7 @@ from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
 from .hold import check_held_film, check_hold
 from .path import check_path, check_sides
 from .place import check_touch, meeting_remedy
-from .plausible import check_numbers, check_steps, check_table
+from .plausible import check_motion, check_numbers, check_steps
 from .row import Rows
 from .strength import check_glue, check_piercing, check_strength
 from .sweep import Sweep
@@ -119,7 +119,7 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     if sim.tool is None:
         return
     if sim.motion is not None:
-        yield from check_table(sim.motion)
+        yield from check_motion(sim.motion, until)
     yield from check_hold(mesh, support)
     never_in = sweep is None or not len(sweep.place)
     remedy = meeting_remedy(sim, until) if never_in and sweep is not None else ""

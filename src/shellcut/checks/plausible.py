@@ -19,11 +19,12 @@ import numpy as np
 
 from shellcut.arrays import norm
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable
-from shellcut.formats.errors import counted
+from shellcut.formats.errors import counted, point_text
 from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
 from shellcut.tool.motion import Motion
+from shellcut.tool.pose_of_motion import KNOWN_MOTIONS, rate_of_pose
 from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.tool import Tool
 
@@ -61,6 +62,10 @@ limit on squares, and at twice the bound what is unstable grows tenfold in a ste
 MANY_STEPS = 5e6
 """A hundred times the number of steps of the opening test on M1."""
 
+# Instants at which a user's motion is looked at; half the interval of its rate, relative to the
+# run; tolerance of its twist.
+_N_INSTANT, _INTERVAL, _SAME_TWIST = 32, 1e-6, 0.01
+
 
 def check_numbers(
     mesh: Mesh, material: ShellMaterial, law: CohesiveTable | None, tool: Tool | None
@@ -74,8 +79,10 @@ def check_numbers(
         yield from _tool_size(mesh, tool)
 
 
-def check_table(motion: Motion) -> Iterator[Finding]:
-    """Yield a doubt if the angles of a table seem to wrap and it does not say so."""
+def check_motion(motion: Motion, until: float) -> Iterator[Finding]:
+    """Yield a doubt if angles of a table seem to wrap, or a twist is not the rate of its pose."""
+    if type(motion) not in KNOWN_MOTIONS:
+        yield from _twist(motion, until)
     if isinstance(motion, TableMotion) and (i := motion.leap) is not None:
         a, b = np.asarray(motion.rotation_vectors)[i : i + 2]
         yield doubt(
@@ -85,6 +92,24 @@ def check_table(motion: Motion) -> Iterator[Finding]:
             "if the sensor jumps by a turn (359 to 1 deg), set unwrap = true ([motion], or "
             "TableMotion)",
         )
+
+
+def _twist(motion: Motion, until: float) -> Iterator[Finding]:
+    times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * until
+    given = np.array([np.concatenate(motion.twist(t)) for t in times.tolist()])
+    moved = np.array([rate_of_pose(motion, t, _INTERVAL * until) for t in times.tolist()])
+    for name, unit, of in (("spin", "rad/s", slice(0, 3)), ("velocity", "mm/s", slice(3, 6))):
+        off, most = norm(given[:, of] - moved[:, of]), norm(moved[:, of]).max()
+        # A kink may lie at an instant, but not at most of them.
+        if (off > _SAME_TWIST * max(most, norm(given[:, of]).max())).mean() > 0.5:
+            worst = int(np.argmax(off))
+            yield doubt(
+                "the twist of a motion must be the rate of its pose, or the work of the tool is "
+                "wrong",
+                f"a {name} of {point_text(given[worst, of], 4)} {unit} at {times[worst]:.4g} s, "
+                f"where the pose changes by {point_text(moved[worst, of], 4)}",
+                f"correct the method twist of {type(motion).__name__}",
+            )
 
 
 def film_size(mesh: Mesh) -> float:

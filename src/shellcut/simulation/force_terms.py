@@ -22,7 +22,7 @@ from shellcut.numerics.table_address import TableWriter
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose import Pose, small_turn
 from shellcut.tool.touch import ON_TOOL, Booking
 
 from .ledger import Ledger
@@ -164,10 +164,7 @@ class ForceTerms:
         Q = self._film.pose(time - 0.5 * tick).rotation
         force, moment = product(Q.T, wrench[:3]), product(Q.T, wrench[3:])
         (R0, r0), (R1, r1) = self._seen.pose(time - tick), self._seen.pose(time)
-        turn = product(R1, R0.T)  # its vector to second order, as the sums are
-        vector = 0.5 * np.array(
-            [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
-        )
+        vector = small_turn(R0, R1)  # to second order, as the sums are
         angle, (over_turn, work) = float(norm(vector)), self._in_film
         over_turn[:3] += angle * force
         over_turn[3:] += angle * (moment + np.cross(0.5 * (r0 + r1), force))

@@ -56,6 +56,14 @@ class Pose(NamedTuple):
         return np.asarray(product(points - self.translation, self.rotation))
 
 
+def small_turn(before: Floats, after: Floats) -> Floats:
+    """Return the rotation vector from one rotation to another, to second order [rad]."""
+    turn = product(after, before.T)
+    return 0.5 * np.array(
+        [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
+    )
+
+
 @inline
 def to_body(p: Vec3, pose: Pose) -> Vec3:
     """Return Rᵀ (p - r)."""
