@@ -35,6 +35,8 @@ ID = "place", "column", "line", "was", "is"  # what tells mutants apart in the r
 SMALLEST = 1e-6
 WHOLE = "tests/unit/test_friction.py"  # passes in the copy, or no mutant is tried
 CPU_SECONDS = 3600  # what runs longer is in an endless loop
+KINDS = "unit", "verification", "regression"  # folders of tests
+EXAMPLES = ["tests/unit/test_doctests.py"]
 ROOMS = {
     "mitc4": "quad_forces shell centre_stress quad_frequency small_matrices tip_force "
     "yielding_film statics integrator time_step cut_loads start_check freedoms",
@@ -223,19 +225,19 @@ def reaches(file, other):
 
 
 def tests_for(name):
-    """Return the tests of a file: of its name, of its room, those that import it, whole runs."""
+    """Return the tests of a file: of its name, of its room, and all that name it or what it has."""
     path = Path(name)
     room = next(one for one in ROOMS if name.startswith(f"src/shellcut/{one}"))
-    module = ".".join(path.with_suffix("").parts[1:])
+    every = [p for kind in KINDS for p in sorted((ROOT / "tests" / kind).glob("test_*.py"))]
+    tree = ast.parse((ROOT / name).read_text())
+    has = [node.name for node in tree.body if isinstance(node, ast.ClassDef | ast.FunctionDef)]
+    words = [path.stem, *(one for one in has if not one.startswith("_"))]
+    word = re.compile(rf"\b({'|'.join(words)})\b")
+    naming = [p.relative_to(ROOT).as_posix() for p in every if word.search(p.read_text())]
+    named = [one for one in naming if Path(one).stem == f"test_{path.stem}"]
     of_room = [f"tests/unit/test_{one}.py" for one in ROOMS[room].split()]
-    every = [
-        p.relative_to(ROOT).as_posix() for p in sorted((ROOT / "tests/unit").glob("test_*.py"))
-    ]
-    named = [one for one in every if Path(one).stem == f"test_{path.stem}"]
-    word = re.compile(rf"\b{re.escape(module)}\b")
-    importing = [one for one in of_room + every if word.search((ROOT / one).read_text())]
-    first = dict.fromkeys([*named, of_room[0], *importing, *of_room])
-    return [*first, "tests/verification", "tests/regression"]
+    both = [one for one in of_room if one in naming]
+    return [*dict.fromkeys([*named, of_room[0], *both, *of_room, *naming, *EXAMPLES])]
 
 
 class Copy:
