@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from dataclasses import is_dataclass
+from dataclasses import FrozenInstanceError, fields, is_dataclass
 from typing import Literal, get_args, get_origin
 
 import numpy as np
@@ -90,3 +90,14 @@ def test_an_argument_that_there_is_not_is_told_with_those_that_are():
         shellcut.Stepping(safty=0.5)
     with pytest.raises(ValueError, match=r"no argument overwrite; there are n_row, .*replace"):
         RunOptions(overwrite=True)
+
+
+@pytest.mark.parametrize(
+    "name", [n for n in shellcut.__all__ if is_dataclass(getattr(shellcut, n))]
+)
+def test_what_a_model_is_built_of_cannot_be_changed(name):
+    """A checkpoint compares it, and what is derived from it is computed once."""
+    public = getattr(shellcut, name)
+    one = object.__new__(public)
+    with pytest.raises(FrozenInstanceError):
+        setattr(one, fields(public)[0].name, 1.0)
