@@ -189,8 +189,14 @@ class BladeDrive:
         latest = np.inf if self._film is None else time + _FORESEEN * self._film.tick
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
-        addresses = self._edges_address, self._curves_address, self._driven_address
-        tried = x, size, *addresses, reach
+        tried = (
+            x,
+            size,
+            self._edges_address,
+            self._curves_address,
+            self._driven_address,
+            reach,
+        )
         count = self._try_poses(*tried, edge < 0, True)
         for k in range(ITERATIONS):
             if not count:

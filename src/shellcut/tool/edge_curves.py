@@ -14,7 +14,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, cross, norm, unit
+from shellcut.arrays import Floats, Ints, cross, norm, product, unit
 
 # Gap between the segments of one chain over the length of one; far above round-off.
 _JOINED = 1e-6
@@ -57,17 +57,16 @@ class EdgeCurves(NamedTuple):
 def _arc(points: Floats, closed: bool) -> tuple[Floats, Floats]:
     """Return axis and centre of the circle through points, zero if they are on none."""
     last = len(points) * 2 // 3 if closed else len(points) - 1
-    a, b, c = points[0], points[last // 2], points[last]
-    across = cross(b - a, c - a)
-    square, base = float(across @ across), float(norm(c - a))
+    a, u, v = points[0], points[last // 2] - points[0], points[last] - points[0]
+    across = cross(u, v)
+    base = float(norm(v))
     height = float(norm(across)) / base
     if height <= _STRAIGHT * base:
         return np.zeros(3), np.zeros(3)
-    # From a to the centre of the circle through a, b and c.
-    u, v = b - a, c - a
-    arm = cross((u @ u) * v - (v @ v) * u, across) / (2.0 * square)
+    # To the centre: (u² v - v² u) x (u x v) / 2 (u x v)²
+    arm = cross(product(u, u) * v - product(v, v) * u, across) / (2.0 * product(across, across))
     axis, radial = unit(across), points - a - arm
-    aside = np.abs(radial @ axis) + np.abs(norm(radial) - norm(arm))
+    aside = np.abs(product(radial, axis)) + np.abs(norm(radial) - norm(arm))
     if aside.max() > _ROUND * height:
         return np.zeros(3), np.zeros(3)
     return axis, a + arm
