@@ -119,7 +119,7 @@ def test_the_pose_beyond_a_point_is_found_from_within_a_ramp(reach):
     x = np.array([motion.coordinate(time) - 0.1 + 0.3, 0.05, 0.0])
     drive = BladeDrive(edges, motion)
     then = drive.find(x[None], np.array([size]), time, 0, reach)
-    off, later = blade_drive.beyond(sim.tool, motion, x, size, 0, time, reach)
+    off, _, later = blade_drive.beyond(sim.tool, motion, x, size, 0, time, reach=reach)
     rotation, translation = motion.pose(later)
     gap = np.transpose(rotation) @ (x - translation) - sim.tool.vertices[sim.tool.edges[0, 0]]
     np.testing.assert_allclose(then.rotation[0], rotation)

@@ -10,6 +10,7 @@ import shellcut as sc
 from films import shaken
 from free_strip import cut_strip, notched_sheet, path_in, segment_ahead, slanted_strip
 from naive import blade_drive, crack_path, trial_cut
+from round_tools import wheel
 from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.entered_film import EnteredFilm, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE
@@ -38,11 +39,12 @@ class Rules:
         """Return segment and measures of a tip, None without, and from which on it is due."""
         state, tool, motion = self.sim.state, self.sim.tool, self.sim.motion
         at, heading = crack_path.place_of(self.path, state, tip)
-        edge, passed = blade_drive.nearest_edge(tool, motion, at.x, at.size, state.time)
+        edge, passed, speed = blade_drive.nearest_edge(tool, motion, at.x, at.size, state.time)
         if edge < 0:
             ways, lean = [heading - (heading @ at.t) * at.t], np.zeros(3)
         else:
-            off, then = blade_drive.beyond(tool, motion, at.x, at.size, edge, state.time)
+            known = motion, at.x, at.size, edge, state.time, speed
+            off, edge, then = blade_drive.beyond(tool, *known)
             ways, lean = blade_drive.directions(tool, motion, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
@@ -231,13 +233,45 @@ def test_an_edge_drives_the_tips_that_it_will_meet(degrees):
     assert found.tolist() == [True, False]
 
 
+@pytest.mark.parametrize("arc", [96, 30])
+@pytest.mark.parametrize("spin", [0.0, 1.0, -1.0, 3.0, -6.0, 8.0])
+def test_a_round_edge_drives_what_it_will_meet_however_it_turns(spin, arc):
+    # It moves along x, the axis along y; places near the plane y = 0 before a part of the rim.
+    points, triangles = wheel()
+    edges = [(k, (k + 1) % 96) for k in range(arc)]
+    tool = sc.Tool.from_triangles(points, triangles, edges=edges)
+    time = np.linspace(0.0, 1.0, 41)
+    turns = np.outer(spin * time, [0.0, 1.0 / 5.0, 0.0])
+    motion = sc.TableMotion(time, np.outer(time, [1.0, 0.0, 0.0]), turns)
+    drive, rng, size, now = (
+        BladeDrive(CuttingEdges.of(tool), motion),
+        np.random.default_rng(6),
+        0.3,
+        0.5,
+    )
+    places = rng.uniform([3.5, -0.3, -3.0], [9.0, 0.3, 3.0], (80, 3))
+    found = drive.find(places, np.full(80, size), now)
+    plain = [blade_drive.nearest_edge(tool, motion, x, size, now) for x in places]
+    assert (found.edge_of >= 0).tolist() == [edge >= 0 for edge, _, _ in plain]
+    for i in np.flatnonzero(found.edge_of >= 0).tolist():
+        edge, _, speed = plain[i]
+        off, there, _ = blade_drive.beyond(tool, motion, places[i], size, edge, now, speed)
+        assert found.edge_of[i] == there
+        assert found.off[i] == pytest.approx(off, abs=1e-9)
+    if arc == 96:
+        ahead = np.hypot(places[:, 0] - 0.5, places[:, 2]) > 5.0
+        near = np.abs(places[:, 1]) <= 0.5 * size
+        assert (found.edge_of >= 0)[ahead].tolist() == near[ahead].tolist()
+    assert (found.edge_of >= 0).any()
+
+
 def test_teeth_on_a_screw_drive_the_tips_on_their_circle():
     tool, motion = sc.tool_shapes.tooth_ring(), sc.ScrewMotion(300.0, pitch=12.0)
     drive, rng, size = BladeDrive(CuttingEdges.of(tool), motion), np.random.default_rng(3), 0.2
     radius, angle = rng.uniform(9.1, 9.7, 60), rng.uniform(-0.5, 0.5, 60)
     places = np.stack([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0, 4, 60)], 1)
     found = drive.find(places, np.full(60, size), 0.0)
-    plain = [blade_drive.nearest_edge(tool, motion, x, size, 0.0) for x in places]
+    plain = [blade_drive.nearest_edge(tool, motion, x, size, 0.0)[:2] for x in places]
     assert list(zip(found.edge_of.tolist(), found.passed.tolist(), strict=True)) == plain
     assert 5 < sum(edge >= 0 for edge, _ in plain) < 55
 

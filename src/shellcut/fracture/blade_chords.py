@@ -125,7 +125,8 @@ class BladeChords:
         then = self._drive.find(at.x[None], size, state.time, edge, reach)
         segments = self._drive.edges.segments
         # Of an edge that lies on the film, whose back is upright, its direction decides.
-        back = segments[edge, BACK] + _ALONG * unit(segments[edge, VECTOR])
+        there = int(then.edge_of[0])
+        back = segments[there, BACK] + _ALONG * unit(segments[there, VECTOR])
         heading = product(then.rotation[0], back) * -reach
         self._drive.direct(at.t[None], heading[None], at.T[None], size)
         return then.directions[0, 0].copy(), then.lean[0].copy()

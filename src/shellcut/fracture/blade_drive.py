@@ -8,6 +8,20 @@ The motion is prescribed, so that this pose is known. A film that its supports m
 will be then: poses are as seen from the film (:class:`.SeenFromFilm`), and then moved with the film
 to its present place.
 
+What counts is the motion of the edge as a curve. In the frame of a tool that moves on as now, with
+the velocity v and the spin w at the tip, this is after a time t at
+
+    p - t v + t²/2 w x v,
+
+and is met by the segment there. Of a wheel that turns by more than some tenths of a radian until
+then this is another segment than is found so. But an arc does not notice the turn about its own
+axis (:mod:`.edge_curves`): with v and w of the arc the same says where the arc meets the tip, and
+the tool must have its edge at that place of the arc then. An edge drives the tip if either says so:
+the first is exact for straight edges and on screws, the second for wheels. The later poses are
+exact. In each the segment is the one at the tip then, and the edge comes to the tip at -v · k, for
+the direction k into the blade. Sliding along the edge has no part in that: a straight edge that is
+drawn along itself keeps its mid-plane, and drives what its ends will not have left.
+
 On a circle of radius R the present mid-plane would lead a tip that lies a distance a ahead of the
 edge off by a²/2R, 0.2 mm for 2 mm on 9.4 mm, and the mid-plane at the tip still by L²/2R in a
 segment of length L. Aimed at a point of the path, a segment ends within L²/8R of it.
@@ -21,6 +35,7 @@ reference film, not from that of the film now, which the blade folds.
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -36,12 +51,15 @@ from shellcut.tool.cutting_edge import (
     CUT_DEPTH,
     NORMAL,
     START,
+    VECTOR,
     CuttingEdges,
+    edge_point,
     in_the_blade,
     segment_part,
     strip_coordinates,
 )
-from shellcut.tool.motion import Motion
+from shellcut.tool.edge_curves import EdgeCurves
+from shellcut.tool.motion import Motion, rotation_rows, turned
 from shellcut.tool.pose import Pose, to_body, turn, turn_back
 from shellcut.tool.pose_of_motion import pose_at
 
@@ -63,7 +81,7 @@ TANGENT = 1e-12
 # off by a sixth of this angle cubed times the radius of the path: 0.02 of the radius.
 _MOST_TURN = 0.5
 
-# Behind the edge, where a segment owns what it meets; far above round-off.
+# How far beyond its ends a segment meets what comes to it; far above round-off.
 _ON_EDGE = 1e-6
 
 # Where the trace of the mid-plane is aimed at, ahead of the tip.
@@ -82,7 +100,7 @@ class Driven(NamedTuple):
     """Tips and the edges that drive them, now and when these will be beyond them."""
 
     edge_of: Annotated[Ints, "(n_tip,)"]
-    """Segment of the edge, -1 if none."""
+    """Segment of the edge, -1 if none; the one at the tip then."""
     off: Annotated[Floats, "(n_tip,)"]
     """Signed distance of the tip from its mid-plane then [mm]."""
     passed: Annotated[Bools, "(n_tip,)"]
@@ -108,6 +126,8 @@ class BladeDrive:
 
     def __init__(self, edges: CuttingEdges, motion: Motion, film: FilmMotion | None = None) -> None:
         self.edges, self._film = edges, film
+        curves = EdgeCurves.of(edges.segments[:, START], edges.segments[:, VECTOR])
+        self._curves_address = TableWriter()(curves)
         self._seen = motion if film is None else SeenFromFilm(film, motion)
         self._try_poses, self._direct = BoundOnce(_try_poses), BoundOnce(_direct)
         self._edges_address, self._address_of = TableWriter()(edges), TableWriter()
@@ -169,7 +189,14 @@ class BladeDrive:
         latest = np.inf if self._film is None else time + _FORESEEN * self._film.tick
         if edge >= 0:
             found.edge_of[:], found.passed[:] = edge, False
-        tried = x, size, self._edges_address, self._driven_address, reach
+        tried = (
+            x,
+            size,
+            self._edges_address,
+            self._curves_address,
+            self._driven_address,
+            reach,
+        )
         count = self._try_poses(*tried, edge < 0, True)
         for k in range(ITERATIONS):
             if not count:
@@ -200,6 +227,7 @@ def _try_poses(
     x: Floats,
     size: Floats,
     edges: CuttingEdges,
+    curves: EdgeCurves,
     found: Driven,
     reach: float,
     choose_edge: bool,
@@ -211,30 +239,31 @@ def _try_poses(
     choose_edge : whether the edge of each tip is found here, at the present pose.  more : whether
     another time may be tried.
     """
-    edges, found = borrowed(edges), borrowed(found)
-    count = 0
+    edges, curves, found = borrowed(edges), borrowed(curves), borrowed(found)
+    segments, count = edges.segments, 0
     for i in range(size.shape[0]):
         if not found.has_next[i]:
             continue
         found.has_next[i] = False
         pose = Pose(found.rotation[i], found.translation[i])
-        p, depth = to_body(load(x, i), pose), 0.0
+        p = to_body(load(x, i), pose)
         turning = cross(load(found.spin, i), sub(load(x, i), load(found.translation, i)))
         velocity = turn_back(add(load(found.velocity, i), turning), pose)
         if choose_edge:
-            found.edge_of[i], found.off[i], depth, found.passed[i] = _nearest_edge(
-                p, size[i], edges, velocity, turn_back(load(found.spin, i), pose)
+            spin = turn_back(load(found.spin, i), pose)
+            edge, off, depth, approach, found.passed[i] = _nearest_edge(
+                p, size[i], edges, curves, velocity, spin
             )
-        edge = found.edge_of[i]
+        else:
+            edge = _at_point(p, size[i], found.edge_of[i], segments, curves)
+            off, depth = _beside_and_behind(p, edge, segments)
+            approach = -dot(velocity, segment_part(segments, edge, BACK))
+        found.edge_of[i], found.off[i] = edge, off
         if edge < 0:
             continue
-        k = segment_part(edges.segments, edge, BACK)
-        if not choose_edge:
-            d = sub(p, segment_part(edges.segments, edge, START))
-            found.off[i], depth = dot(d, segment_part(edges.segments, edge, NORMAL)), dot(d, k)
-        left, speed = reach * size[i] - depth, dot(velocity, k)
-        if more and abs(left) > NEAR * size[i] and speed < 0.0:
-            found.time[i] -= left / speed  # to first order, the edge is beyond by ``reach`` then
+        left = reach * size[i] - depth
+        if more and abs(left) > NEAR * size[i] and approach > 0.0:
+            found.time[i] += left / approach  # to first order, the edge is beyond by ``reach`` then
             found.has_next[i] = True
             count += 1
     return count
@@ -283,19 +312,18 @@ def _direct(
 
 @inline
 def _nearest_edge(
-    p: Vec3, size: float, edges: CuttingEdges, velocity: Vec3, spin: Vec3
-) -> tuple[int, float, float, bool]:
+    p: Vec3, size: float, edges: CuttingEdges, curves: EdgeCurves, velocity: Vec3, spin: Vec3
+) -> tuple[int, float, float, float, bool]:
     """Return which segment of the edge a point is before or has passed, -1 if none.
 
-    With it, how far beside its mid-plane and behind it the point lies, and whether it has passed.
-
-    In the frame of a tool that moves on as now the point is at p - t v + t²/2 w x v after a time t.
+    With it, how far beside its mid-plane and behind it the point lies, the speed at which the edge
+    comes to the point, and whether it has passed.
 
     p : [mm].  size : side of the quads there [mm].  velocity, spin : of the tool at the point,
     v [mm/s] and w [rad/s], in the body frame like p.
     """
     segments = edges.segments
-    nearest, edge, off, behind, passed = np.inf, -1, 0.0, 0.0, False
+    nearest, edge, off, behind, speed, passed = np.inf, -1, 0.0, 0.0, 0.0, False
     for k in range(segments.shape[0]):
         _, lateral, depth, owns = strip_coordinates(p, k, segments, CUT_DEPTH * size)
         if owns and abs(lateral) <= _REACH * size and in_the_blade(p, lateral, k, edges):
@@ -304,18 +332,108 @@ def _nearest_edge(
             if not passed or depth < nearest:
                 nearest = depth
                 edge, off, behind, passed = k, lateral, depth, True
+                speed = -dot(velocity, segment_part(segments, k, BACK))
         elif not passed and -_AHEAD * size < depth < 0.0 and -depth < nearest:
-            back = segment_part(segments, k, BACK)
-            approach = -dot(velocity, back)
-            # An edge that rests or moves away is taken to move along its mid-plane.
-            t = -depth / approach if approach > 0.0 else 0.0
-            if t * norm(spin) > _MOST_TURN:
-                continue
-            met = combine(0.5 * t * t, cross(spin, velocity), 1.0, combine(1.0, p, -t, velocity))
-            ahead = dot(sub(met, segment_part(segments, k, START)), back)
-            met = combine(1.0, met, _ON_EDGE * size - ahead, back)
-            _, aside, _, beside = strip_coordinates(met, k, segments, CUT_DEPTH * size)
-            if beside and abs(aside) <= _REACH * size:
+            is_met, approach, _, _ = _met(p, size, k, segments, velocity, spin)
+            if not is_met:
+                is_met, approach = _arc_met(p, size, k, segments, curves, velocity, spin)
+            if is_met:
                 nearest = -depth
-                edge, off, behind = k, lateral, depth
-    return edge, off, behind, passed
+                edge, off, behind, speed = k, lateral, depth, approach
+    return edge, off, behind, speed, passed
+
+
+@inline
+def _met(
+    p: Vec3, size: float, k: int, segments: Floats, velocity: Vec3, spin: Vec3
+) -> tuple[bool, float, float, Vec3]:
+    """Return whether segment k will meet a point before it, at which speed, when and where.
+
+    In a frame that moves on as now the point is at p - t v + t²/2 w x v after a time t.
+
+    velocity, spin : of the frame at the point, v [mm/s] and w [rad/s].
+    """
+    back, start = segment_part(segments, k, BACK), segment_part(segments, k, START)
+    approach = -dot(velocity, back)
+    # An edge that rests or moves away is taken to move along its mid-plane.
+    t = -dot(sub(p, start), back) / approach if approach > 0.0 else 0.0
+    if t * norm(spin) > _MOST_TURN:
+        return False, approach, t, p
+    # p - t v + t²/2 w x v, from there along k onto the line of the edge, and beside it
+    met = combine(0.5 * t * t, cross(spin, velocity), 1.0, combine(1.0, p, -t, velocity))
+    met = combine(1.0, met, -dot(sub(met, start), back), back)
+    vector, normal = segment_part(segments, k, VECTOR), segment_part(segments, k, NORMAL)
+    along, aside, length = dot(sub(met, start), vector), dot(sub(met, start), normal), norm(vector)
+    is_beside = abs(along / length - 0.5 * length) <= 0.5 * length + _ON_EDGE * size
+    return is_beside and abs(aside) <= _REACH * size, approach, t, combine(1.0, met, -aside, normal)
+
+
+@inline
+def _arc_met(
+    p: Vec3,
+    size: float,
+    k: int,
+    segments: Floats,
+    curves: EdgeCurves,
+    velocity: Vec3,
+    spin: Vec3,
+) -> tuple[bool, float]:
+    """Return whether the arc of segment k will meet a point before it, and at which speed.
+
+    The tool turns in the arc (:mod:`.edge_curves`) by w_n t, where w_n = w · n: what is at a place
+    c + r of it then is now at c + Q r, turned back by that about n. There the tool must have the
+    edge.
+
+    velocity, spin : of the tool at the point, v [mm/s] and w [rad/s].
+    """
+    axis, centre = load(curves.axis, k), load(curves.centre, k)
+    if dot(axis, axis) == 0.0:
+        return False, 0.0
+    # v - w_n n x (p - c), w - w_n n
+    rate = dot(spin, axis)
+    slides = cross(axis, sub(p, centre))
+    velocity, spin = combine(1.0, velocity, -rate, slides), combine(1.0, spin, -rate, axis)
+    is_met, approach, t, met = _met(p, size, k, segments, velocity, spin)
+    if not is_met:
+        return False, approach
+    # Q = cos a 1 + sin a n~ + (1 - cos a) n n^T, a = -w_n t
+    angle = -rate * t
+    c = math.cos(angle)
+    arm = turned(rotation_rows(axis, math.sin(angle), 1.0 - c, c), sub(met, centre))
+    _, gap = _nearest_of_chain(add(centre, arm), k, segments, curves)
+    return gap <= _REACH * size, approach
+
+
+@inline
+def _at_point(p: Vec3, size: float, k: int, segments: Floats, curves: EdgeCurves) -> int:
+    """Return the segment of the chain of k that is at a point: k while its line is the edge there.
+
+    p : [mm].  size : side of the quads there [mm].
+    """
+    there, _ = _nearest_of_chain(p, k, segments, curves)
+    off, depth = _beside_and_behind(p, k, segments)
+    off_there, depth_there = _beside_and_behind(p, there, segments)
+    is_line = max(abs(off - off_there), abs(depth - depth_there)) <= NEAR * size
+    return k if is_line else there
+
+
+@inline
+def _nearest_of_chain(p: Vec3, k: int, segments: Floats, curves: EdgeCurves) -> tuple[int, float]:
+    """Return the segment of the chain of k that is nearest to a point, and its distance [mm]."""
+    nearest, distance = k, np.inf
+    for i in range(segments.shape[0]):
+        if curves.chain[i] != curves.chain[k]:
+            continue
+        v = segment_part(segments, i, VECTOR)
+        along = dot(sub(p, segment_part(segments, i, START)), v) / norm(v)
+        gap = norm(sub(p, edge_point(along, i, segments)))
+        if gap < distance:
+            nearest, distance = i, gap
+    return nearest, distance
+
+
+@inline
+def _beside_and_behind(p: Vec3, k: int, segments: Floats) -> tuple[float, float]:
+    """Return how far beside the mid-plane of segment k a point lies, and how far behind it [mm]."""
+    d = sub(p, segment_part(segments, k, START))
+    return dot(d, segment_part(segments, k, NORMAL)), dot(d, segment_part(segments, k, BACK))

@@ -30,6 +30,9 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints, cross, each, norm, product, unit
 from shellcut.state import JOINTED, NOT_MET, local_edge_length
+from shellcut.tool.edge_curves import EdgeCurves
+from shellcut.tool.motion import rotation_rows
+from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
@@ -43,6 +46,8 @@ _BESIDE = 0.75
 _LOOK_AHEAD = 5e-3
 # Relative to the speed: below this, the tool does not move along the film.
 _ALONG = 1e-3
+# Sine of its angle to the film up to which an edge lies on it, and goes through it nowhere.
+_FLAT = 0.1
 # Relative to curvature times the film's extent: below this, the path is straight.
 _STRAIGHT = 1e-9
 
@@ -91,14 +96,15 @@ class CrackEnds(NamedTuple):
         )
 
 
-class _EdgeLength:
-    """Arc lengths along the cutting edges of a tool."""
+class _Edges:
+    """Arc lengths along the cutting edges of a tool, and their curves."""
 
     def __init__(self, tool: Tool) -> None:
         ends = tool.vertices[tool.edges]
         self._start, vector = ends[:, 0], ends[:, 1] - ends[:, 0]
         length = np.linalg.norm(vector, axis=1)
-        self._unit = vector / length[:, None]
+        self.unit = vector / length[:, None]
+        self.curves = EdgeCurves.of(self._start, vector)
         self._length = np.bincount(tool.edge_chain, length, tool.n_chain)[tool.edge_chain]
         first = np.flatnonzero(np.diff(tool.edge_chain, prepend=-1))
         passed = np.cumsum(length) - length
@@ -110,7 +116,7 @@ class _EdgeLength:
 
         A closed edge has no end: half its length is returned.
         """
-        on = np.einsum("ic,ic->i", point - self._start[segment], self._unit[segment])
+        on = np.einsum("ic,ic->i", point - self._start[segment], self.unit[segment])
         before, length = self._before[segment] + on, self._length[segment]
         spare = np.minimum(before, length - before)
         spare[self._closed[segment]] = 0.5 * length[self._closed[segment]]
@@ -130,7 +136,7 @@ class CutFront:
         self._seen = (-1, -1, -1)
         self._ends: tuple[int, CrackEnds] | None = None
         self._rows = np.zeros((0 if tool is None else tool.n_chain, 4))
-        self._edge = None if tool is None else _EdgeLength(tool)
+        self._edges = None if tool is None else _Edges(tool)
 
     def rows(self, sim: Simulation) -> Floats:
         """Return cut length, process zone, uncut film ahead, edge to spare, (n_chain, 4), [mm].
@@ -162,11 +168,14 @@ class CutFront:
         ends = self._ends_of(sim)
         for k in np.unique(chain[holds]).tolist():
             mine = met[holds & (chain == k)]
-            assert self._edge is not None
-            rows[k, 3] = self._edge.to_spare(cable.edge[mine], cable.joint_body[mine])
-            tip, lead = self._driven(sim, mine, ends.place)
+            assert self._edges is not None
+            rows[k, 3] = self._edges.to_spare(cable.edge[mine], cable.joint_body[mine])
+            velocity = self._velocity(sim, self._edges, mine)
+            nth, tip, lead = _driven(sim, mine, ends.place, velocity)
             if np.isfinite(lead):
-                rows[k, 2] = lead + self._ahead(sim, tip, ends)
+                segment = int(cable.edge[mine[nth]])
+                course = self._course(sim, tip, ends, self._edges.curves, segment, velocity[nth])
+                rows[k, 2] = lead + self._ahead(tip, ends, *course)
         return rows
 
     def _ends_of(self, sim: Simulation) -> CrackEnds:
@@ -174,34 +183,27 @@ class CutFront:
             self._ends = sim.state.revision, CrackEnds.of(sim, self._rim)
         return self._ends[1]
 
-    def _driven(self, sim: Simulation, zone: Ints, tips: Floats) -> tuple[int, float]:
-        """Return which tip, of (n, 3), an edge at cables drives, and its lead [mm], inf if none."""
-        if not len(tips):
-            return -1, np.inf
-        cable = sim.state.cable
-        place = cable.at_ends(sim.state.node.X)[zone, 0]
-        gap = tips - place[:, None]
-        distance = np.linalg.norm(gap, axis=2)
-        velocity = self._velocity(sim, place, _directors_at(sim, cable.ends[zone, 0]))
-        ahead = np.einsum("ztc,zc->zt", gap, velocity)
-        moving = np.linalg.norm(velocity, axis=1) > 0.0
-        distance[moving[:, None] & (ahead <= 0.0)] = np.inf
-        nearest = distance.min(axis=0)
-        best = int(nearest.argmin())
-        return best, float(nearest[best])
+    def _velocity(self, sim: Simulation, edges: _Edges, zone: Ints) -> Floats:
+        """Return the velocities along the film at which an edge passes through it, at cables.
 
-    def _velocity(self, sim: Simulation, place: Floats, t: Floats) -> Floats:
-        """Return the tool's velocity along the film at places with directors t, 0 if through it."""
+        That of the edge's own point, but for what it moves along the edge; 0 if it moves through
+        the film only.
+        """
         assert self._motion is not None
-        now = sim.state.time
+        cable, now = sim.state.cable, sim.state.time
         spin, velocity = (np.asarray(part, float) for part in self._motion.twist(now))
-        whole = velocity + cross(spin, place - pose_at(self._motion, now).translation)
-        along = whole - np.einsum("ic,ic->i", whole, t)[:, None] * t
+        R = pose_at(self._motion, now).rotation
+        whole = velocity + cross(spin, product(cable.joint_body[zone], R.T))
+        e, t = product(edges.unit[cable.edge[zone]], R.T), _directors_at(sim, cable.ends[zone, 0])
+        through, sine = (np.einsum("ic,ic->i", part, t)[:, None] for part in (whole, e))
+        steep = np.abs(sine) > _FLAT
+        along = whole - np.where(steep, through / np.where(steep, sine, 1.0) * e, through * t)
         along[np.linalg.norm(along, axis=1) <= _ALONG * np.linalg.norm(whole, axis=1)] = 0.0
         return np.asarray(along)
 
-    def _ahead(self, sim: Simulation, tip: int, ends: CrackEnds) -> float:
-        first, second, curvature = self._course(sim, tip, ends)
+    def _ahead(
+        self, tip: int, ends: CrackEnds, first: Floats, second: Floats, curvature: float
+    ) -> float:
         others = ends.own != tip
         gap = ends.obstacle[others] - ends.place[tip]
         a, b = product(gap, first), product(gap, second)
@@ -219,18 +221,38 @@ class CutFront:
         met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))
 
-    def _course(self, sim: Simulation, tip: int, ends: CrackEnds) -> tuple[Floats, Floats, float]:
-        """Return in-film unit vectors ahead and to the left, and the curvature to the left."""
+    def _course(
+        self,
+        sim: Simulation,
+        tip: int,
+        ends: CrackEnds,
+        curves: EdgeCurves,
+        segment: int,
+        velocity: Floats,
+    ) -> tuple[Floats, Floats, float]:
+        """Return in-film unit vectors ahead and to the left, and the curvature to the left.
+
+        The place of the tip moves on with the tool, or with the arc in which it turns: with that
+        which moves more like the place at which the edge passes through the film.
+
+        velocity : of that place, (3,), [mm/s].
+        """
         motion = self._motion
         assert motion is not None
         director, here = ends.director[tip], ends.place[tip]
         now = pose_at(motion, sim.state.time)
-        local = product(now.rotation.T, here - now.translation)
-        places = []
-        for k in (1, 2):
-            then = pose_at(motion, sim.state.time + k * self._look)
-            places.append(product(then.rotation, local) + then.translation - here)
-        first, second = (p - product(p, director) * director for p in places)
+        then = [pose_at(motion, sim.state.time + k * self._look) for k in (1, 2)]
+        axis, centre = curves.axis[segment], curves.centre[segment]
+        frames = [then]
+        if axis.any():
+            frames.append([_turned_back(now, pose, axis, centre) for pose in then])
+        local, ways = product(now.rotation.T, here - now.translation), []
+        for poses in frames:
+            places = [product(pose.rotation, local) + pose.translation - here for pose in poses]
+            ways.append((places, [p - product(p, director) * director for p in places]))
+        places, (first, second) = min(
+            ways, key=lambda way: float(norm(way[1][0] - self._look * velocity))
+        )
         length = float(norm(first))
         if length <= _ALONG * norm(places[0]) or length == 0.0:
             along = ends.heading(tip)
@@ -248,6 +270,37 @@ class CutFront:
         sine = 0.5 * curvature * length
         ahead = math.sqrt(max(1.0 - sine * sine, 0.0)) * chord - sine * left
         return ahead, cross(director, ahead), curvature
+
+
+def _driven(sim: Simulation, zone: Ints, tips: Floats, velocity: Floats) -> tuple[int, int, float]:
+    """Return which tip an edge drives at which of its cables, and its lead [mm], inf if none.
+
+    tips : (n, 3), [mm].  velocity : at the cables, (n_zone, 3), [mm/s].
+    """
+    if not len(tips):
+        return -1, -1, np.inf
+    gap = tips - sim.state.cable.at_ends(sim.state.node.X)[zone, :1]
+    distance = np.linalg.norm(gap, axis=2)
+    ahead = np.einsum("ztc,zc->zt", gap, velocity)
+    moving = np.linalg.norm(velocity, axis=1) > 0.0
+    distance[moving[:, None] & (ahead <= 0.0)] = np.inf
+    nth, tip = divmod(int(distance.argmin()), len(tips))
+    return nth, tip, float(distance[nth, tip])
+
+
+def _turned_back(now: Pose, then: Pose, axis: Floats, centre: Floats) -> Pose:
+    """Return a later pose without its turn about an axis of the body.
+
+    With the unit quaternion (q_0, q) of the turn since now, that about the axis is
+    2 atan2(n · q, q_0).
+    """
+    turn = product(now.rotation.T, then.rotation)
+    q = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    angle = -2.0 * math.atan2(float(product(axis, q)), 1.0 + float(np.trace(turn)))
+    n, c = (float(axis[0]), float(axis[1]), float(axis[2])), math.cos(angle)
+    back = np.array(rotation_rows(n, math.sin(angle), 1.0 - c, c))
+    shift = product(then.rotation, centre - product(back, centre))
+    return Pose(product(then.rotation, back), then.translation + shift)
 
 
 def _directors_at(sim: Simulation, nodes: Ints) -> Floats:
