@@ -178,7 +178,7 @@ class Cracks:
         segment = next((segment for segment in found if segment is not None), None)
         if segment is None:
             return None
-        return Candidate(segment, self._sums.of_tear(state, segment))
+        return Candidate(segment, self._sums.of_tear(state, tip, segment))
 
     def _is_supported(self, state: State, segment: Segment) -> bool:
         """Whether moving supports keep the film together through which a segment would run."""

@@ -113,7 +113,7 @@ class Growth:
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
-            tip = self.path.tip_at(segment, heading)
+            tip = self.path.tip_at(segment, heading, cut.length)
             return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
         here = product(shape_functions(*segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self.path.film.size(segment.row)

@@ -64,6 +64,7 @@ class TipWatch:
         self._address_of = TableWriter(), TableWriter(), TableWriter()
         self._director: Floats
         self._heading: Floats
+        self._behind: Floats
         self._aimed: Aimed
         self.weighed: Weighed
         """What the trial cuts of tips with a segment had at the last check."""
@@ -124,7 +125,7 @@ class TipWatch:
             targets = self._aimed.target.tobytes()
             if targets != self._targets:
                 self._targets = targets
-                self._sums.take(self._trials(state), self._aimed, self.weighed)
+                self._sums.take(state, self._trials(state), self._behind, self._aimed, self.weighed)
             self._sums.weigh(state)
             if self._stress is not None:
                 stress, _ = self._stress.at(state, tips, [*tips, *others])
@@ -148,6 +149,7 @@ class TipWatch:
         self._known.take(state)
         self._table, self._ahead = tips_of(state, self._path.film, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
+        self._behind = np.array([tip.length * tip.heading for tip in tips])
         self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         of_tips, of_ahead, of_aimed = self._address_of
         self._addresses = of_tips(self._table), of_ahead(self._ahead), of_aimed(self._aimed)
