@@ -38,6 +38,8 @@ class Tip:
     corner; ``ends`` is then of no meaning."""
     behind: tuple[int, ...] = ()
     """Rows that touch that place from behind, the side from which the crack came."""
+    torn: int = -1
+    """Step in which the crack tore up to here, -1 if it was cut otherwise."""
 
     @property
     def at_node(self) -> bool:
@@ -76,6 +78,7 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "s": np.array([tip.s for tip in tips], float),
         "quad": np.array([tip.quad for tip in tips], np.int64),
         "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
+        "torn": np.array([tip.torn for tip in tips], np.int64),
         "length": np.array([tip.length for tip in tips], float),
         "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
@@ -93,6 +96,7 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             s=rows["s"][i],
             quad=rows["quad"][i],
             heading=saved["heading"][i].copy(),
+            torn=rows["torn"][i],
             length=rows["length"][i],
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),

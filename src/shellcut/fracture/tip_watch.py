@@ -87,15 +87,17 @@ class TipWatch:
         """Return where tips were that an edge drives, at the last check [mm], shape (n, 3)."""
         return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
-    def may_tear(self, nth: int) -> list[Tip]:
+    def may_tear(self, nth: int | None = None) -> list[Tip]:
         """Return the tips to search in the n-th check: no edge drives them, and they may be due.
+
+        Without n, those that are due straight ahead.
 
         A tip that an edge would lead back out of the film ahead, or that has none straight ahead,
         is not weighed: it is searched now and then.
         """
         if not self._tips:
             return []
-        seldom = nth % _SELDOM == 0
+        seldom = nth is not None and nth % _SELDOM == 0
         near = (self._drive.driven.edge_of < 0) & (
             self.weighed.magnitude >= (NEAR if seldom else DUE)
         )
