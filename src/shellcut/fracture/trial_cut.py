@@ -337,15 +337,15 @@ class TrialSums:
             return -np.inf
         trial, force = self._trial_cut, alone.pull[0]
         pull = sqrt(product(force, force))
-        across = pull * float(alone.measure[0] / max(alone.magnitude[0], _TINY))  # F · m
+        across = pull * float(alone.measure[0]) / max(float(alone.magnitude[0]), _TINY)  # F · m
         if across < 0.0:  # (7)
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
         chord, X = (segment.entry, segment.exit), state.node.X[state.quads[segment.row]]
         factor = factor_along(trial.anisotropy, X, chord)
-        lengths = alone.length_in[0], factor * alone.length_out[0], factor * alone.gathered[0]
-        return pull / (trial.carried * float(_carrying(*lengths)))
+        length_out, gathered = factor * alone.length_out[0], factor * alone.gathered[0]
+        return pull / (trial.carried * float(_carrying(alone.length_in[0], length_out, gathered)))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
