@@ -31,14 +31,16 @@ def at(place):
     return shape(*place)[0]
 
 
-def measures(film, state, segment):
+def measures(film, state, tip, segment):
     """Return F · m and |F| over what the cables would carry; a driven cut is due at 1 of F · m."""
     if force(film, state, segment) is None:
         return -np.inf, -np.inf
     m, length = across(state, segment)
     found = force(film, state, segment, share_of=lambda share, closed: share - closed)
     carries = film.strength * film.shell.material.thickness
-    carries *= 0.5 * (behind(film, state, segment) + length)
+    carries *= max(
+        0.5 * (behind(film, state, segment) + length), gathered(film, state, tip, segment)
+    )
     return float(found @ m) / carries, float(np.linalg.norm(found)) / carries
 
 
@@ -61,6 +63,51 @@ def force(film, state, segment, share_of=lambda share, closed: share):
             d += sign * weight * total / mass
             kappa += weight**2 / mass
     return d / kappa if kappa > 0.0 else None
+
+
+def gathered(film, state, tip, segment):
+    """Return what F would be under a tension of 1 N/mm in all directions [mm], 0 along a side."""
+    if segment.along_side:
+        return 0.0
+    part = shares(film, state, segment)
+    d, kappa = np.zeros(3), 0.0
+    for weight, sides in pairs(film, segment):
+        for sign, members in zip((-1.0, 1.0), sides, strict=True):
+            mass, total = 0.0, np.zeros(3)
+            for row, corner, of in members:
+                share = 1.0 if of is None else part[of]
+                mass += share * film.shell.mass[row, corner]
+                total -= share * state.quad.share[row] * area_slope(state, row, corner)
+            for cable, end, cable_share, closed in cables(film, state, segment, members):
+                area = state.cable.area[cable] / film.shell.material.thickness
+                total += (cable_share - closed) * area * pull_of(state, cable, end)
+            d += sign * weight * total / mass
+            kappa += weight**2 / mass
+    # Where no cables are the flanks behind do not pull at the tip.
+    normal = unit_normal(state.node.X[state.quads[segment.row]])
+    open_ = max(0.0, 1.0 - behind(film, state, segment) / tip.length) if tip.length else 0.0
+    missing = 0.5 * open_ * tip.length * np.cross(normal, tip.heading)
+    return float(np.linalg.norm(d / kappa - missing))
+
+
+def pull_of(state, cable, end):
+    """Return the direction of the pull on an end of a cable in the reference film, shape (3,)."""
+    row, (start, stop) = state.cable.row[cable, 0], state.cable.chord[cable, 0]
+    X = state.node.X[state.quads[row]]
+    m = np.cross(unit_normal(X), (at(stop) - at(start)) @ X)
+    return (-1.0 if end else 1.0) * m / np.linalg.norm(m)
+
+
+def area_slope(state, row, corner):
+    """Return by how much the area of a flat quad grows if a corner moves [mm], shape (3,)."""
+    X = state.node.X[state.quads[row]]
+    return 0.5 * np.cross(X[(corner + 1) % 4] - X[corner - 1], unit_normal(X))
+
+
+def unit_normal(X):
+    """Return the unit normal to a quad, shape (3,)."""
+    normal = np.cross(X[2] - X[0], X[3] - X[1])
+    return normal / np.linalg.norm(normal)
 
 
 def corner_force(film, state, row, corner):

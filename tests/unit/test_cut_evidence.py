@@ -102,7 +102,7 @@ def test_a_cut_on_rows_beside_the_blade_is_told_by_the_run_itself():
 
 def test_a_blade_driven_backwards_is_told_by_the_run_itself():
     # Its back, 0.6 mm wide, comes in over the end of the strip; the edge follows 2 mm behind.
-    case, found = after_a_run((10.05, 0.0, 0.0), (-1.0, 0.0, 0.0), 5e-4, length=2.0)
+    case, found = after_a_run((10.05, 0.0, 0.0), (-1.0, 0.0, 0.0), 4.9e-4, length=2.0)
     lines = verdict(found, map(str, case.check.doubts))
     doubts = [line.text for line in lines if line.kind == "doubt"]
     # Three of its cables have broken by then: what the share of the cables says comes too late.

@@ -48,7 +48,7 @@ class Rules:
             ways, lean = blade_drive.directions(tool, motion, edge, off, at, heading, then)
         found = (crack_path.segment_from(self.path, state, tip, way, lean, tips) for way in ways)
         segment = next((one for one in found if one is not None), None)
-        measures = segment and trial_cut.measures(self.film, state, segment)
+        measures = segment and trial_cut.measures(self.film, state, tip, segment)
         return segment, measures, np.inf if edge < 0 else -np.inf if passed else 1.0
 
     def compare(self, tips):
@@ -328,12 +328,12 @@ def trial_of(sim):
     return TrialCut(sim.cracks.cuts.topology, sim.shell, sim.loads, sim.law.strength)
 
 
-def measures_of(sim, segment):
+def measures_of(sim, tip, segment):
     """Return the force across the segment, by the plain reference, and that of a tear."""
     film = trial_cut.Film(sim.cracks.cuts.topology, sim.shell, sim.loads, sim.law.strength)
     return (
-        trial_cut.measures(film, sim.state, segment)[0],
-        TrialSums(trial_of(sim)).of_tear(sim.state, segment),
+        trial_cut.measures(film, sim.state, tip, segment)[0],
+        TrialSums(trial_of(sim)).of_tear(sim.state, tip, segment),
     )
 
 
@@ -348,7 +348,7 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
     strain = STRETCH + 0.5 * STRETCH**2
     stress = (1.0 + STRETCH) * 1678.0 / (1.0 - 0.3**2) * strain
     # Round-off of the products of the quads' strains with their stiffness.
-    for found in measures_of(sim, segment):
+    for found in measures_of(sim, tip, segment):
         # The notch, which no cable holds, opens with the segment ahead: twice its length.
         assert found == pytest.approx(2.0 * stress / sim.law.strength, rel=1e-9)
     assert np.isclose(tip.s, rise) or np.isclose(1.0 - tip.s, rise)
@@ -357,7 +357,7 @@ def test_uniform_stress_is_found_wherever_in_the_quads_the_crack_runs(rise):
 def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what_opens_it():
     """A trial cut of a sheet at rest, with forces on the flanks given by its quads' strains."""
     sim = notched_sheet(0.2)
-    _, segment = segment_ahead(sim)
+    tip, segment = segment_ahead(sim)
     n, quads, parent = sim.state.node, sim.state.quads, sim.state.quad.parent
     # Corners of the upper copy behind the tip that no other part of the film has.
     ((_, (lower, upper)), *_) = trial_of(sim).pairs(sim.state, segment)
@@ -369,7 +369,7 @@ def test_a_tear_counts_the_force_across_the_sheet_and_pressure_only_against_what
         n.x[: n.count, 1] *= 1.0 + stretch
         n.x[: n.count, 2] += shear * n.X[: n.count, 1]
         n.x[raised, 2] += opened
-        return measures_of(sim, segment)
+        return measures_of(sim, tip, segment)
 
     plain, tear = measures(0.002, 0.0)
     assert tear == pytest.approx(plain, rel=1e-9)  # round-off

@@ -54,7 +54,7 @@ def test_a_trial_cut_finds_the_hoop_tension(rise, error):
     # Free body: half of the prism, cut through the middles of two facets.
     tension = PRESSURE * low * RADIUS * np.cos(np.pi / N_AROUND)
     film = trial_cut.Film(free.cuts.topology, sim.shell, sim.loads, sim.law.strength)
-    measure = trial_cut.measures(film, sim.state, segment)[0]
+    measure = trial_cut.measures(film, sim.state, tip, segment)[0]
     # In the middle of a facet round-off of the forces of stiff quads; beside it the forces on the
     # two flanks are not alike: of the order of the squared angle between facets, measured 0.22 %.
     # The slit behind the tip, which no cable holds, opens with the segment ahead: twice its length.

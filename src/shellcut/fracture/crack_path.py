@@ -150,19 +150,21 @@ class CrackPath:
                 found = Segment(row, CORNERS[start], CORNERS[stop], a, stop, along_side=True)
         return found
 
-    def tip_at(self, end: Segment, heading: Floats) -> Tip | None:
+    def tip_at(self, end: Segment, heading: Floats, length: float = 0.0) -> Tip | None:
         """Return the tip at the end of a segment that has just been cut; None at a border.
 
         Where the segment has reached an earlier crack :meth:`tip_across` finds it.
+
+        length : of what has been cut [mm].
         """
         ring, quad = self.film.ring(end.row), self.film.topology.parent(end.row)
         if end.corner >= 0:
             node = ring[end.corner]
-            tip = Tip((node, node), 0.0, quad, heading)
+            tip = Tip((node, node), 0.0, quad, heading, length)
         else:
             a, b, s = ring[end.side], ring[(end.side + 1) % 4], along_side(end.side, end.exit)
             a, b, s = ascending(a, b, s)
-            tip = Tip((a, b), s, quad, heading)
+            tip = Tip((a, b), s, quad, heading, length)
         return tip if self.film.rows_ahead(tip) else None
 
     def tip_across(self, state: State, end: Segment, heading: Floats) -> Tip | None:
@@ -180,4 +182,4 @@ class CrackPath:
         row, place = ahead
         nodes = nodes_at(state, row, place)
         behind = tuple(other for other, at in touching if nodes_at(state, other, at) != nodes)
-        return Tip((-1, -1), 0.0, self.film.topology.parent(row), heading, place, behind)
+        return Tip((-1, -1), 0.0, self.film.topology.parent(row), heading, 0.0, place, behind)

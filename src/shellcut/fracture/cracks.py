@@ -52,6 +52,10 @@ from .tip import DUE, Candidate, Segment, Tip, restored_tips, saved_tips
 from .tip_watch import TipWatch
 from .trial_cut import TrialCut, TrialSums
 
+_LOOKS = 10
+"""How often a tip is looked at in the time that a crack takes for a quad, so that it waits for no
+more than a tenth of that time."""
+
 
 class Cracks:
     """All cracks of a film, notches included: through its quads, or along its sides only.
@@ -128,7 +132,8 @@ class Cracks:
     def cut_due(self, state: State, pose: Pose, work: float = 0.0) -> None:
         """Advance every crack that is due, and begin cuts where blades enter.
 
-        In every ``check_every``-th step.
+        In every ``check_every``-th step. After a tear the next one may be due sooner: its tip is
+        looked at again each time when a tenth more steps have passed.
 
         Parameters
         ----------
@@ -140,6 +145,8 @@ class Cracks:
             Of the tool up to t_n [N·mm], noted in the log where a cut begins.
         """
         if state.step % self._check_every:
+            if running := [tip for tip in self.growth.tips if self._may_run(state, tip)]:
+                self._advance_running(state, running)
             return
         if not self._blade_cuts:
             self._advance_torn(state, list(self.growth.tips))
@@ -152,10 +159,24 @@ class Cracks:
         self._advance_torn(state, self._watch.may_tear(state.step // self._check_every))
         self._pierce.begin_cuts(state, pose, self._watch.driven_places(), work)
 
+    def _may_run(self, state: State, tip: Tip) -> bool:
+        """Whether to look at a tip between two checks."""
+        since = state.step - tip.torn
+        wait = max(since // _LOOKS, 1)
+        return tip.torn >= 0 and wait < self._check_every and since % wait == 0
+
+    def _advance_running(self, state: State, running: list[Tip]) -> None:
+        """Advance those of some cracks that are due without a blade and that no edge drives."""
+        if self._blade_cuts:
+            alive = [tip for tip in running if self._film.rows_ahead(tip)]
+            self._watch.due(state, alive, self.growth.tips)
+            running = self._watch.may_tear()
+        self._advance_torn(state, running)
+
     def _advance_torn(self, state: State, tips: Sequence[Tip]) -> None:
         """Advance those of some cracks that are due without a blade, by one quad at most.
 
-        A crack then runs no faster than an edge length in ``check_every`` steps.
+        A crack then runs no faster than an edge length in a step.
         """
         for tip in tips:
             if not self._known.is_of(state):
@@ -178,7 +199,7 @@ class Cracks:
         segment = next((segment for segment in found if segment is not None), None)
         if segment is None:
             return None
-        return Candidate(segment, self._sums.of_tear(state, segment))
+        return Candidate(segment, self._sums.of_tear(state, tip, segment))
 
     def _is_supported(self, state: State, segment: Segment) -> bool:
         """Whether moving supports keep the film together through which a segment would run."""

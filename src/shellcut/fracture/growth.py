@@ -113,8 +113,11 @@ class Growth:
         """
         heading = cut.heading if end else -cut.heading
         if segment.side != FLANK and not cut.is_open(state, end):
-            tip = self.path.tip_at(segment, heading)
-            return None if tip is None or self._joins_along_a_side(state, tip, cut.kind) else tip
+            tip = self.path.tip_at(segment, heading, cut.length)
+            if tip is None or self._joins_along_a_side(state, tip, cut.kind):
+                return None
+            tip.torn = state.step if cut.kind == TEAR else -1
+            return tip
         here = product(shape_functions(*segment.exit), state.node.X[state.quads[segment.row]])
         near = _SAME_PLACE * self.path.film.size(segment.row)
         gaps = [norm(self.path.film.at_tip(tip, state.node.X) - here) for tip in self.tips]

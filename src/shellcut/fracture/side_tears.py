@@ -132,7 +132,8 @@ class SideTears:
         segments = self._sides(state, tip)
         sums, weighed = TrialSums(self._trial_cut), Weighed.of(len(segments))
         trials = [(i, self._trial_cut.pairs(state, segment)) for i, segment in enumerate(segments)]
-        sums.take(trials, Aimed.along(state, segments), weighed)
+        behind = np.zeros((len(segments), 3))
+        sums.take(state, trials, behind, Aimed.along(state, segments), weighed)
         row, entry = self._film.rows_ahead(tip)[0]
         vectors = [segment.weights for segment in segments]
         vectors.append(self._film.heading_weights(row, entry, tip.heading))

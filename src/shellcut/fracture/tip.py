@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, unit
+from shellcut.arrays import Floats, norm, unit
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
@@ -31,11 +31,15 @@ class Tip:
     its place."""
     heading: Floats
     """Unit direction in which it came, in the reference film, shape (3,)."""
+    length: float = 0.0
+    """Of the segment behind it [mm], 0 where it has none: at a border or on a flank."""
     flank: Point | None = None
     """Place in ``quad`` if it lies on the flank of another crack, which may be on a side or at a
     corner; ``ends`` is then of no meaning."""
     behind: tuple[int, ...] = ()
     """Rows that touch that place from behind, the side from which the crack came."""
+    torn: int = -1
+    """Step in which the crack tore up to here, -1 if it was cut otherwise."""
 
     @property
     def at_node(self) -> bool:
@@ -62,8 +66,8 @@ def tips_of_notches(state: State) -> list[Tip]:
     """Return the tips of the notches with which a mesh is made."""
     tips = []
     for node, far in crack_tips(state).items():
-        heading = unit(state.node.X[node] - state.node.X[far])
-        tips.append(Tip((node, node), 0.0, -1, heading))
+        behind = state.node.X[node] - state.node.X[far]
+        tips.append(Tip((node, node), 0.0, -1, unit(behind), float(norm(behind))))
     return tips
 
 
@@ -74,6 +78,8 @@ def saved_tips(tips: list[Tip]) -> dict[str, Any]:
         "s": np.array([tip.s for tip in tips], float),
         "quad": np.array([tip.quad for tip in tips], np.int64),
         "heading": np.array([tip.heading for tip in tips], float).reshape(-1, 3),
+        "torn": np.array([tip.torn for tip in tips], np.int64),
+        "length": np.array([tip.length for tip in tips], float),
         "flank": np.array([tip.flank or _NOWHERE for tip in tips], float).reshape(-1, 2),
         "n_behind": np.array([len(tip.behind) for tip in tips], np.int64),
         "behind": np.array([row for tip in tips for row in tip.behind], np.int64),
@@ -90,6 +96,8 @@ def restored_tips(saved: dict[str, Any]) -> list[Tip]:
             s=rows["s"][i],
             quad=rows["quad"][i],
             heading=saved["heading"][i].copy(),
+            torn=rows["torn"][i],
+            length=rows["length"][i],
             flank=None if (flank := tuple(rows["flank"][i])) == _NOWHERE else flank,
             behind=tuple(rows["behind"][stop[i] - rows["n_behind"][i] : stop[i]]),
         )

@@ -64,6 +64,7 @@ class TipWatch:
         self._address_of = TableWriter(), TableWriter(), TableWriter()
         self._director: Floats
         self._heading: Floats
+        self._behind: Floats
         self._aimed: Aimed
         self.weighed: Weighed
         """What the trial cuts of tips with a segment had at the last check."""
@@ -86,15 +87,17 @@ class TipWatch:
         """Return where tips were that an edge drives, at the last check [mm], shape (n, 3)."""
         return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
 
-    def may_tear(self, nth: int) -> list[Tip]:
+    def may_tear(self, nth: int | None = None) -> list[Tip]:
         """Return the tips to search in the n-th check: no edge drives them, and they may be due.
+
+        Without n, those that are due straight ahead.
 
         A tip that an edge would lead back out of the film ahead, or that has none straight ahead,
         is not weighed: it is searched now and then.
         """
         if not self._tips:
             return []
-        seldom = nth % _SELDOM == 0
+        seldom = nth is not None and nth % _SELDOM == 0
         near = (self._drive.driven.edge_of < 0) & (
             self.weighed.magnitude >= (NEAR if seldom else DUE)
         )
@@ -124,7 +127,7 @@ class TipWatch:
             targets = self._aimed.target.tobytes()
             if targets != self._targets:
                 self._targets = targets
-                self._sums.take(self._trials(state), self._aimed, self.weighed)
+                self._sums.take(state, self._trials(state), self._behind, self._aimed, self.weighed)
             self._sums.weigh(state)
             if self._stress is not None:
                 stress, _ = self._stress.at(state, tips, [*tips, *others])
@@ -148,6 +151,7 @@ class TipWatch:
         self._known.take(state)
         self._table, self._ahead = tips_of(state, self._path.film, self._tips, others)
         self.x, self._director, self._heading = (np.zeros((n, 3)) for _ in range(3))
+        self._behind = np.array([tip.length * tip.heading for tip in tips])
         self._due, self._aimed, self.weighed = np.zeros(n, np.bool_), Aimed.of(n), Weighed.of(n)
         of_tips, of_ahead, of_aimed = self._address_of
         self._addresses = of_tips(self._table), of_ahead(self._ahead), of_aimed(self._aimed)

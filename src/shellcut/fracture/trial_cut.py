@@ -9,18 +9,28 @@ the classes on the plus and minus side, and the shape functions N_a at the tip,
     (1)  d = sum N_a (f_a+ / m_a+ - f_a- / m_a-)         relative acceleration of the flanks
     (2)  kappa = sum N_a² (1 / m_a+ + 1 / m_a-)          that of a pair of unit forces
     (3)  F_c = d / kappa,  F = (d - d_B) / kappa         F_c is what new cables take over
-    (4)  F · m / (sigma_F h (L_in + L_out) / 2)          due at 1
+    (4)  L_F = |s / kappa - (1 - L_in / L)+ b / 2|       from what length F is gathered
+    (5)  L_c = max((L_in + L_out) / 2, L_F)              of cables that carry F
+    (6)  F · m / (sigma_F h L_c)                         due at 1
 
 d_B is (1) with the forces of the cables behind the tip alone: they pull the flanks together, so F
-is F_c and their pull. m is the normal to the segment in the sheet from the minus
-to the plus side, L_in and L_out the lengths of the segments that meet at the tip. At a node F_c is
-the nodal force parted between the two sides.
+is F_c and their pull. m is the normal to the segment in the sheet from the minus to the plus side.
+At a node F_c is the nodal force parted between the two sides.
 
-A tear pulls in whichever direction it opens: |F| replaces F · m in (4), and where the
-flanks press on each other, F · m < 0, but F opens the crack in the direction in which the film
-behind has parted,
+L_in and L_out are the lengths of the segments that meet at the tip, whose cables give half of their
+force to it. But F is the force of whole classes, also where the segment ahead cuts a corner off and
+is short. L_F is what F would be under a tension of 1 N/mm in all directions of the sheet: s is (1)
+with (X_next - X_previous) / 2 of each corner in its quad in place of its force, which is the force
+of that tension turned by 90 degrees, and the pull of those cables of the classes that d_B leaves
+out. Behind the tip counts what cables can carry: b is the segment there, L its length. So film that
+carries sigma_F in all directions is due, whatever the segment. In straight rows of equal quads L_F
+is (L_in + L_out) / 2.
 
-    (5)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
+A tear pulls in whichever direction it opens: |F| replaces F · m in (6), and where the flanks press
+on each other, F · m < 0, but F opens the crack in the direction in which the film behind has
+parted,
+
+    (7)  sqrt(|F|² - (F · m)²) - |F · m|                 [CamachoOrtiz1996]
 
 The reasons: ``docs/theory/free-cracks.md`` (*When a crack advances*), ``docs/theory/tears.md``.
 """
@@ -33,12 +43,12 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product
+from shellcut.arrays import Floats, Ints, SmallInts, Vec3, product, unit
 from shellcut.loads.loads import LoadSet
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import BoundOnce, inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, inline_or_plain, kernel
 from shellcut.numerics.table_address import TableWriter
 from shellcut.numerics.vec3 import add_scaled, cross, dot, load, norm, scale, store, sub
 from shellcut.state import BROKEN, State
@@ -49,7 +59,9 @@ from .cut_state import parted, rows_along, side_under
 from .cut_topology import Corner, CutTopology
 from .quad_polygon import UNUSED, Point, between, contains, divide
 from .ray_ahead import Aimed
-from .tip import Segment
+from .tip import Segment, Tip
+
+_TINY = float(np.finfo(float).tiny)
 
 UNCUT, RIGHT, LEFT = 0, 1, 2
 """What a side of a trial cut has of a row: all of it, or what lies to one side of the segment."""
@@ -204,6 +216,8 @@ class Weighed(NamedTuple):
     length_in: Annotated[Floats, "(n_tip,)"]
     """L_in times the factor on its strength [mm]; 0 where no cables join the flanks of the segment
     behind."""
+    gathered: Annotated[Floats, "(n_tip,)"]
+    """L_F [mm]; 0 of a segment along a side, which is no shorter."""
     measure: Annotated[Floats, "(n_tip,)"]
     """F · m over what the cables would carry; -inf if the cut parts nothing at the tip."""
     magnitude: Annotated[Floats, "(n_tip,)"]
@@ -212,8 +226,7 @@ class Weighed(NamedTuple):
     @classmethod
     def of(cls, n: int) -> Weighed:
         """Return the table of n tips."""
-        (force, pull), (length_out, length_in) = np.zeros((2, n, 3)), np.zeros((2, n))
-        return cls(force, pull, length_out, length_in, *np.full((2, n), -np.inf))
+        return cls(*np.zeros((2, n, 3)), *np.zeros((3, n)), *np.full((2, n), -np.inf))
 
 
 class _Trials(NamedTuple):
@@ -227,10 +240,16 @@ class _Trials(NamedTuple):
     """Of minus and plus side, in rows UNCUT, RIGHT and LEFT [t]."""
     member: Annotated[Ints, "(n_member, 4)"]
     """Pair, side, part (UNCUT, RIGHT, LEFT) and row of the corner forces."""
+    span: Annotated[Floats, "(n_corner, 3)"]
+    """Force of the whole row there under a tension of 1 N/mm, turned by 90 degrees [mm]."""
     cable: Annotated[Ints, "(n_link, 4)"]
     """Pair, side, cable and its end."""
+    along: Annotated[Floats, "(n_link, 3)"]
+    """Unit vector along the segment across which it lies, whose turn by 90 degrees its pull is."""
     share: Annotated[Floats, "(n_link, 2)"]
     """How much of that cable's force acts on the side, and how much of that acts at the tip."""
+    behind: Annotated[Floats, "(n_tip, 3)"]
+    """Segments behind the tips [mm]."""
     aimed: Aimed
     weighed: Weighed
 
@@ -247,12 +266,18 @@ class TrialSums:
         self._weigh, self._address_of = BoundOnce(_weigh_trials), TableWriter()
 
     def take(
-        self, trials: Sequence[tuple[int, list[Pair]]], aimed: Aimed, weighed: Weighed
+        self,
+        state: State,
+        trials: Sequence[tuple[int, list[Pair]]],
+        behind: Floats,
+        aimed: Aimed,
+        weighed: Weighed,
     ) -> None:
         """Take the trial cuts to be weighed from now on: which of the tips, and its pairs.
 
-        aimed : segments of the tips; all that have one are among the trials.  weighed : written by
-        :meth:`weigh`, where a tip has a segment.
+        behind : (n_tip, 3), segments behind the tips [mm].  aimed : segments of the tips; all that
+        have one are among the trials.  weighed : written by :meth:`weigh`, where a tip has a
+        segment.
         """
         tips, every = zip(*trials, strict=True) if trials else ((), ())
         pairs = [pair for some in every for pair in some]
@@ -271,14 +296,18 @@ class TrialSums:
                 shares += [(link.share, link.at_tip) for link in side.cables]
         whole_corners = np.array(list(corners), np.int64).reshape(-1, 2)
         self._rows, self._nodes = (np.ascontiguousarray(column) for column in whole_corners.T)
+        links = np.array(cables, np.int64).reshape(-1, 4)
         table = _Trials(
             tip=np.array(tips, np.int64),
             start=np.cumsum([0, *map(len, every)]),
             weight=np.array([pair.weight for pair in pairs]),
             mass=mass,
             member=np.array(members, np.int64).reshape(-1, 4),
-            cable=np.array(cables, np.int64).reshape(-1, 4),
+            span=_spans(state, self._rows, self._nodes),
+            cable=links,
+            along=_along_segments(state, links[:, 2], links[:, 3]),
             share=np.array(shares, float).reshape(-1, 2),
+            behind=behind,
             aimed=aimed,
             weighed=weighed,
         )
@@ -300,34 +329,36 @@ class TrialSums:
             trial.thickness,
         )
 
-    def of_tear(self, state: State, segment: Segment) -> float:
+    def of_tear(self, state: State, tip: Tip, segment: Segment) -> float:
         """Return |F| over what the cables would carry; less if it presses. A tear is due at 1."""
         pairs = self._trial_cut.pairs(state, segment)
-        alone = self._alone(state, segment, pairs)
+        alone = self._alone(state, segment, pairs, tip.length * tip.heading)
         if alone.measure[0] == -np.inf:
             return -np.inf
         trial, force = self._trial_cut, alone.pull[0]
-        carried_in, carried_out = (
-            0.5 * trial.carried * float(length[0]) for length in (alone.length_in, alone.length_out)
-        )
         pull = sqrt(product(force, force))
-        across = float(alone.measure[0]) * (carried_in + carried_out)  # F · m
-        if across < 0.0:  # (5)
+        across = pull * float(alone.measure[0]) / max(float(alone.magnitude[0]), _TINY)  # F · m
+        if across < 0.0:  # (7)
             along = sqrt(max(pull * pull - across * across, 0.0))
             opens = product(force, _parted_behind(state, segment, pairs)) > 0.0
             pull = max(along + across, 0.0) if opens else 0.0
         chord, X = (segment.entry, segment.exit), state.node.X[state.quads[segment.row]]
-        return pull / (carried_in + carried_out * factor_along(trial.anisotropy, X, chord))
+        factor = factor_along(trial.anisotropy, X, chord)
+        length_out, gathered = factor * alone.length_out[0], factor * alone.gathered[0]
+        return pull / (trial.carried * float(_carrying(alone.length_in[0], length_out, gathered)))
 
     def at_start(self, state: State, segment: Segment) -> Floats:
         """Return F_c where a segment begins [N], shape (3,); zero if nothing parts there."""
         pairs = self._trial_cut.pairs(state, segment)
-        return np.asarray(self._alone(state, segment, pairs).force[0])
+        return np.asarray(self._alone(state, segment, pairs, np.zeros(3)).force[0])
 
-    def _alone(self, state: State, segment: Segment, pairs: list[Pair]) -> Weighed:
-        """Return what the trial cut along one segment has."""
+    def _alone(self, state: State, segment: Segment, pairs: list[Pair], behind: Floats) -> Weighed:
+        """Return what the trial cut along one segment has.
+
+        behind : (3,), segment behind the tip [mm].
+        """
         alone = Weighed.of(1)
-        self.take([(0, pairs)], Aimed.along(state, [segment]), alone)
+        self.take(state, [(0, pairs)], behind[None], Aimed.along(state, [segment]), alone)
         self.weigh(state)
         return alone
 
@@ -357,13 +388,14 @@ def _weigh_trials(
     for k in range(n_trial):
         trial[trials.start[k] : trials.start[k + 1]] = k
     # f of each class: of whole rows, or of the part of the row that lies on its side of the ray.
-    force, cable_force_behind = np.zeros((2, trials.weight.shape[0], 2, 3))
+    force, cable_force_behind, span = np.zeros((3, trials.weight.shape[0], 2, 3))
     cable_area_behind = np.zeros(n_trial)
     for i in range(trials.member.shape[0]):
         p, side, part, corner = _four(trials.member, i)
         share = _part(part, aimed.right[trials.tip[trial[p]]])
         for c in range(3):
             force[p, side, c] += share * corner_force[corner, c]
+            span[p, side, c] += share * trials.span[corner, c]
     # Cables pull at the classes too; those behind the tip also alone, for d_B.
     for i in range(trials.cable.shape[0]):
         p, side, cable, end = _four(trials.cable, i)
@@ -373,9 +405,12 @@ def _weigh_trials(
         for c in range(3):
             force[p, side, c] += trials.share[i, 0] * cable_force[cable, end, c]
             cable_force_behind[p, side, c] += trials.share[i, 1] * cable_force[cable, end, c]
+            not_at_tip = (trials.share[i, 0] - trials.share[i, 1]) * cable_area[cable] / thickness
+            span[p, side, c] += not_at_tip * trials.along[i, c]
     for k in range(n_trial):
         tip = trials.tip[k]
         right, kappa, d, d_B = aimed.right[tip], 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        s = 0.0, 0.0, 0.0
         sum_of_weights = trials.weight[trials.start[k] : trials.start[k + 1]].sum()
         for p in range(trials.start[k], trials.start[k + 1]):
             for side in range(2):
@@ -383,20 +418,29 @@ def _weigh_trials(
                 for part in range(3):
                     mass += _part(part, right) * trials.mass[p, side, part]
                 moves = trials.weight[p] / mass if side else -trials.weight[p] / mass
-                # (1) with all forces, (1) with those of the cables behind alone, and (2).
+                # (1) with all forces, with those of the cables behind alone and with those of the
+                # tension, and (2).
                 d = add_scaled(d, moves, load(force[p], side))
                 d_B = add_scaled(d_B, moves, load(cable_force_behind[p], side))
+                s = add_scaled(s, moves, load(span[p], side))
                 kappa += trials.weight[p] ** 2 / mass
         if kappa == 0.0:  # the cut would part nothing at the tip
             weighed.measure[tip] = weighed.magnitude[tip] = -np.inf
             continue
-        m, out = _normal_and_length(x, t, X, aimed, tip)
+        m, ahead = _normal_and_segment(x, t, X, aimed, tip)
+        out = norm(ahead)
         pull = scale(1.0 / kappa, sub(d, d_B))  # (3)
         # L_in by the area of the cables across it, which has the factor on their strength in a film
         # with axes. L_out has it in :meth:`TrialSums.of_tear`: with a tool no film has axes.
         length_in = cable_area_behind[k] / (thickness * sum_of_weights)
-        carries = 0.5 * carried * (length_in + out)
-        weighed.measure[tip] = dot(pull, m) / norm(m) / carries  # (4)
+        weighed.gathered[tip] = 0.0
+        if right < 1.0:  # through a quad
+            behind = load(trials.behind, tip)
+            open_behind = max(0.0, 1.0 - length_in / max(norm(behind), _TINY))
+            gathered = sub(scale(1.0 / kappa, s), scale(0.5 * open_behind, behind))
+            weighed.gathered[tip] = norm(gathered)  # (4)
+        carries = carried * _carrying(length_in, out, weighed.gathered[tip])
+        weighed.measure[tip] = dot(pull, m) / norm(m) / carries  # (6)
         weighed.magnitude[tip] = norm(pull) / carries
         weighed.length_out[tip], weighed.length_in[tip] = out, length_in
         store(weighed.force, tip, scale(1.0 / kappa, d))
@@ -416,11 +460,20 @@ def _part(part: int, right: float) -> float:
     return right if part == RIGHT else 1.0 - right
 
 
+@inline_or_plain
+def _carrying(length_in: float, length_out: float, gathered: float) -> float:
+    """Return the length of the cables that carry F at a tip [mm]."""
+    return max(0.5 * (length_in + length_out), gathered)  # (5)
+
+
 @inline
-def _normal_and_length(
+def _normal_and_segment(
     x: Floats, t: Floats, X: Floats, aimed: Aimed, tip: int
-) -> tuple[Vec3, float]:
-    """Return the normal to a segment in the sheet, of any length, and its reference length [mm]."""
+) -> tuple[Vec3, Vec3]:
+    """Return the normal to a segment in the sheet, of any length, and the segment in the film.
+
+    The segment is that in the reference film [mm].
+    """
     xi, eta = aimed.entry[tip, 0], aimed.entry[tip, 1]
     to_xi, to_eta = aimed.exit[tip, 0], aimed.exit[tip, 1]
     director, along, out = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -430,7 +483,30 @@ def _normal_and_length(
         director = add_scaled(director, start[a], load(t, node))
         along = add_scaled(along, gain, load(x, node))
         out = add_scaled(out, gain, load(X, node))
-    return cross(director, along), norm(out)
+    return cross(director, along), out
+
+
+def _spans(state: State, rows: Ints, nodes: Ints) -> Floats:
+    """Return half of the diagonals from before to after a node of each row, times its share.
+
+    Shape (n, 3) [mm].
+    """
+    quads = state.quads[rows]
+    at = (quads == nodes[:, None]).argmax(axis=1)
+    after, before = (state.node.X[quads[np.arange(len(at)), (at + k) % 4]] for k in (1, 3))
+    return np.asarray(0.5 * state.quad.share[rows, None] * (after - before))
+
+
+def _along_segments(state: State, cables: Ints, ends: Ints) -> Floats:
+    """Return unit vectors along the segments across which cables lie, shape (n, 3).
+
+    In the reference film, turned by 180 degrees for the plus end.
+    """
+    c = state.cable
+    stop, start = (np.array(shape_functions(*c.chord[cables, 0, k].T)) for k in (1, 0))
+    nodes = state.quads[c.row[cables, 0]]
+    along = unit(np.einsum("an,nai->ni", stop - start, state.node.X[nodes]))
+    return np.where(ends[:, None] == 0, along, -along)
 
 
 def _parted_behind(state: State, segment: Segment, pairs: list[Pair]) -> Floats:
