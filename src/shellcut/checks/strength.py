@@ -208,8 +208,8 @@ def check_glue(
         if tears and term.fold < ZONE_SIDES * term.side:
             yield doubt(
                 f"the fold of a flap that tears off {term.name} should have a radius of at least "
-                f"{ZONE_SIDES:g} sides of its quads, or the tears run too straight; with 0.7 and "
-                "0.5 sides the sine of their angle is 0.76 and 0.19 of theory",
+                f"{ZONE_SIDES:g} sides of its quads, or the mesh leads the tears; with 0.7 and "
+                "0.5 sides they run too straight, or curl up at a node and end",
                 f"{term.fold / term.side:.2g} sides",
                 f"make the quads {term.fold / ZONE_SIDES:.2g} mm small",
             )
