@@ -182,3 +182,16 @@ def test_the_stiffness_turns_with_the_film():
     close = 1e-12 * straight[0, 0]
     np.testing.assert_allclose(turned, turn @ straight @ turn.T, rtol=0, atol=close)
     assert abs(straight[0, 1]) > 0.01 * straight[0, 0]
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 30.0, 90.0])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_film_pulled_along_an_axis_thins_by_the_modulus_there(angle_deg, axis):
+    """E_33 is -nu_12 S / E_1 along axis 1; across, -nu_12 S / E_2."""
+    film = Orthotropic(3000.0, 1200.0, 0.35, 500.0, 1e-9, angle_deg=angle_deg)
+    turn = np.radians(angle_deg + 90.0 * axis)
+    n = np.array([np.cos(turn), np.sin(turn)])
+    stress = 7.0 * np.array([n[0] ** 2, n[1] ** 2, n[0] * n[1]])
+    strain = np.linalg.solve(film.plane_stress(), stress)
+    modulus = (film.young_along, film.young_across)[axis]
+    assert -film.thickness_slope() @ strain == pytest.approx(-0.35 * 7.0 / modulus, rel=1e-12)

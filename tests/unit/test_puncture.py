@@ -222,6 +222,23 @@ def test_a_film_with_axes_parts_across_the_stiff_one():
     assert along / across == pytest.approx(2.0, rel=0.12)
 
 
+@pytest.mark.parametrize("upper", [0.01, 0.03, 0.08])
+def test_an_uneven_laminate_bends_about_its_neutral_axis(upper):
+    """Two layers of one Poisson ratio, as a beam of two: D about the axis, over the tension."""
+    (young, thick), (other, thin) = pairs = (700.0, 0.06), (2600.0, upper)
+    film = sc.ShellMaterial([sc.Layer(sc.Elastic(E, 0.3, 1e-9), h) for E, h in pairs])
+    axis = (young * thick * thick / 2 + other * thin * (thick + thin / 2)) / (
+        young * thick + other * thin
+    )
+    middles = thick / 2, thick + thin / 2
+    about = [
+        E * (h**3 / 12 + h * (m - axis) ** 2) for (E, h), m in zip(pairs, middles, strict=True)
+    ]
+    bending, law = sum(about) / (1.0 - 0.3**2), sc.CohesiveLaw()
+    length = np.sqrt(bending / (law.strength * film.thickness))
+    assert bending_length(film, law) == pytest.approx(length, rel=1e-12)
+
+
 # --- films that yield, beside a plate whose layers follow deformation theory
 
 PE, FOIL = sc.Elastic(200.0, 0.4, 0.92e-9), sc.Elastic(69000.0, 0.33, 2.7e-9)

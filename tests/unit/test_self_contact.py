@@ -285,3 +285,19 @@ def test_a_point_has_as_many_partners_as_there_are_quads_near():
     points = Points(np.zeros(1, np.int64), np.array([[3.5, 0.0, 0.0]]), np.full(1, -1))
     found = PairSearch().find(points, np.arange(mesh.n_quad), 10.0, initial_state(mesh))
     assert found.row.tolist() == list(range(4900))
+
+
+@pytest.mark.parametrize(("size", "thickness"), [(0.3, 0.074), (0.1, 0.25), (0.1, 0.45)])
+def test_a_flat_film_does_not_touch_itself_however_thick_beside_its_quads(size, thickness):
+    """Of quads shorter than the thickness, those that the film itself joins are left out."""
+    sim = sc.Simulation(
+        rectangle(2.4, 1.8, size=size),
+        sc.ShellMaterial.homogeneous(thickness=thickness),
+        contact=sc.Contact(self_contact=True),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+    )
+    sim.notch((-1.0, 0.04, 0.0), (1.2, 0.04, 0.0))
+    for _ in range(3):
+        sim.step()
+    assert sim.self_contact.forces.n_touching == 0
