@@ -15,6 +15,7 @@ import shellcut as sc
 from films import free_film
 from shellcut.meshing import rectangle
 from shellcut.models import Case
+from shellcut.tool.pose_of_motion import rate_of_pose
 from shellcut.tool_shapes import straight_blade
 
 SPEED, TURN = 6000.0, 600.0
@@ -192,3 +193,29 @@ def test_a_film_that_turns_under_the_teeth_is_cut_as_one_at_rest(tmp_path, mirro
     found = cut(tmp_path, *round_about(share, aside), ROUND, round_it=True)
     summary = compare(found, mirror(True), round_it=True)
     assert "torque about the axis (0, 0, 1) through (0, 0, 0) mm" in summary["resistance"]
+
+
+@pytest.mark.parametrize("film_turns", [0.0, 400.0])
+@pytest.mark.parametrize("tool_turns", [0.0, -900.0])
+def test_the_motion_seen_from_the_film_has_the_rate_of_its_pose(film_turns, tool_turns):
+    mesh = rectangle(4.0, 2.0, size=1.0)
+    film = Steady(film_turns, (300.0, -700.0, 50.0))
+    tool = (
+        sc.ScrewMotion(-tool_turns, pitch=2.0, axis_point=(1.0, 3.0, 0.0)) if tool_turns else None
+    )
+    held = [int(i) for i in (*mesh.node_set("bottom"), *mesh.node_set("top"))]
+    sim = sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(),
+        supports=film.supports(mesh, held),
+        tool=straight_blade(length=1.5, height=2.0).translated((0.0, 0.0, 9.0)),
+        motion=screw if tool_turns else straight,
+        velocity=film.start(mesh),
+    )
+    seen = sim.motion_in_film(1e-3)
+    for time in (2.3e-4, 5.1e-4, 8.7e-4):
+        spin, velocity = seen.twist(time)
+        rate = rate_of_pose(seen, time, 1e-7)
+        assert spin == pytest.approx(rate[:3], abs=1e-2)
+        # Of poses between ticks: 2e-4 of the speed.
+        assert velocity == pytest.approx(rate[3:], abs=2.0)
