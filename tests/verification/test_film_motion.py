@@ -200,9 +200,8 @@ def test_a_film_that_turns_under_the_teeth_is_cut_as_one_at_rest(tmp_path, mirro
 def test_the_motion_seen_from_the_film_has_the_rate_of_its_pose(film_turns, tool_turns):
     mesh = rectangle(4.0, 2.0, size=1.0)
     film = Steady(film_turns, (300.0, -700.0, 50.0))
-    tool = (
-        sc.ScrewMotion(-tool_turns, pitch=2.0, axis_point=(1.0, 3.0, 0.0)) if tool_turns else None
-    )
+    straight = sc.StraightMotion((0.0, 1.0, 0.2), 900.0)
+    screw = sc.ScrewMotion(-tool_turns or 1.0, pitch=2.0, axis_point=(1.0, 3.0, 0.0))
     held = [int(i) for i in (*mesh.node_set("bottom"), *mesh.node_set("top"))]
     sim = sc.Simulation(
         mesh,
