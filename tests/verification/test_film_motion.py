@@ -200,7 +200,7 @@ def test_a_film_that_turns_under_the_teeth_is_cut_as_one_at_rest(tmp_path, mirro
 def test_the_motion_seen_from_the_film_has_the_rate_of_its_pose(film_turns, tool_turns):
     mesh = rectangle(4.0, 2.0, size=1.0)
     film = Steady(film_turns, (300.0, -700.0, 50.0))
-    straight = sc.StraightMotion((0.0, 1.0, 0.2), 900.0)
+    along = sc.StraightMotion((0.0, 1.0, 0.2), 900.0)
     screw = sc.ScrewMotion(-tool_turns or 1.0, pitch=2.0, axis_point=(1.0, 3.0, 0.0))
     held = [int(i) for i in (*mesh.node_set("bottom"), *mesh.node_set("top"))]
     sim = sc.Simulation(
@@ -208,7 +208,7 @@ def test_the_motion_seen_from_the_film_has_the_rate_of_its_pose(film_turns, tool
         sc.ShellMaterial.homogeneous(),
         supports=film.supports(mesh, held),
         tool=straight_blade(length=1.5, height=2.0).translated((0.0, 0.0, 9.0)),
-        motion=screw if tool_turns else straight,
+        motion=screw if tool_turns else along,
         velocity=film.start(mesh),
     )
     seen = sim.motion_in_film(1e-3)
