@@ -95,6 +95,7 @@ def check_motion(motion: Motion, until: float) -> Iterator[Finding]:
 
 
 def _twist(motion: Motion, until: float) -> Iterator[Finding]:
+    """Yield a doubt if most twists of a motion differ from the rates of its pose."""
     times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * until
     given = np.array([np.concatenate(motion.twist(t)) for t in times.tolist()])
     moved = np.array([rate_of_pose(motion, t, _INTERVAL * until) for t in times.tolist()])

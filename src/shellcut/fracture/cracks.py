@@ -161,9 +161,11 @@ class Cracks:
 
     def _may_run(self, state: State, tip: Tip) -> bool:
         """Whether to look at a tip between two checks."""
+        if tip.torn < 0:
+            return False
         since = state.step - tip.torn
         wait = max(since // _LOOKS, 1)
-        return tip.torn >= 0 and wait < self._check_every and since % wait == 0
+        return wait < self._check_every and since % wait == 0
 
     def _advance_running(self, state: State, running: list[Tip]) -> None:
         """Advance those of some cracks that are due without a blade and that no edge drives."""

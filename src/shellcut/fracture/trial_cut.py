@@ -61,6 +61,7 @@ from .quad_polygon import UNUSED, Point, between, contains, divide
 from .ray_ahead import Aimed
 from .tip import Segment, Tip
 
+# In place of a length or a force that is zero, as a divisor.
 _TINY = float(np.finfo(float).tiny)
 
 UNCUT, RIGHT, LEFT = 0, 1, 2

@@ -32,7 +32,7 @@ from shellcut.arrays import Floats, Ints, cross, each, norm, product, unit
 from shellcut.state import JOINTED, NOT_MET, local_edge_length
 from shellcut.tool.edge_curves import EdgeCurves
 from shellcut.tool.motion import rotation_rows
-from shellcut.tool.pose import Pose
+from shellcut.tool.pose import Pose, small_turn
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
 
@@ -294,9 +294,10 @@ def _turned_back(now: Pose, then: Pose, axis: Floats, centre: Floats) -> Pose:
     With the unit quaternion (q_0, q) of the turn since now, that about the axis is
     2 atan2(n · q, q_0).
     """
-    turn = product(now.rotation.T, then.rotation)
-    q = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    angle = -2.0 * math.atan2(float(product(axis, q)), 1.0 + float(np.trace(turn)))
+    before, after = now.rotation.T, then.rotation.T  # of space, as seen from the body
+    # 4 q_0 q and 4 q_0²
+    sine, cosine = 2.0 * small_turn(after, before), 1.0 + float((before * after).sum())
+    angle = -2.0 * math.atan2(float(product(axis, sine)), cosine)
     n, c = (float(axis[0]), float(axis[1]), float(axis[2])), math.cos(angle)
     back = np.array(rotation_rows(n, math.sin(angle), 1.0 - c, c))
     shift = product(then.rotation, centre - product(back, centre))

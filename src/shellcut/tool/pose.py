@@ -57,7 +57,10 @@ class Pose(NamedTuple):
 
 
 def small_turn(before: Floats, after: Floats) -> Floats:
-    """Return the rotation vector from one rotation to another, to second order [rad]."""
+    """Return sin(a) n of the turn by a about n from one rotation to another.
+
+    It is the rotation vector to second order [rad].
+    """
     turn = product(after, before.T)
     return 0.5 * np.array(
         [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
