@@ -40,10 +40,6 @@ from shellcut.state import State
 from .section import frame_components
 from .surface import Surface
 
-# Derivatives of the shape functions by xi and eta at the centre.
-_AT_CENTRE = 0.25 * np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
-
-
 PLACES = ("mid", "top", "bottom", "nominal")
 """Places at which stresses are available."""
 
@@ -104,11 +100,12 @@ class CentreStress:
         check_place(place)
         which = check_quads(which, len(state.quads))
         x, t, quads, height = state.node.x, state.node.t, state.quads, self._height[place]
-        now = self._deformed(which, _tangents(x, t, quads[which], height), height)
+        g, slope = _tangents(x, quads[which]), _tangents(t, quads[which])
+        now = self._deformed(which, g + height * slope, height)
         if place != "nominal":
             return _pushed(product(now.strain, self._law[place]), now.f, now.J)
         h = self._height["top"]
-        top, bottom = (self._deformed(which, _tangents(x, t, quads[which], z), z) for z in (h, -h))
+        top, bottom = (self._deformed(which, g + z * slope, z) for z in (h, -h))
         mean, coupling = self._membrane
         S = product(now.strain, mean) + product(top.strain - bottom.strain, coupling) / (2.0 * h)
         normal = unit(cross(now.f[:, 0], now.f[:, 1]))
@@ -142,9 +139,12 @@ class CentreStress:
             raise ValueError(f"place must be one of {list(places)}, got {place!r}")
         which = check_quads(which, len(quads))
         law, height = self._law[place], self._height[place]
-        g, dg = (_tangents(*v, quads[which], height) for v in ((x, t), (dx, dt)))
+        g, dg = (
+            _tangents(a, quads[which]) + height * _tangents(b, quads[which])
+            for a, b in ((x, t), (dx, dt))
+        )
         now = self._deformed(which, g, height)
-        df = np.einsum("nia,nac->nic", now.up, dg)
+        df = _along_axes(now.up, dg)
         S, dS = product(now.strain, law), product(2.0 * _products(df, now.f), law)
         area = cross(g[:, 0], g[:, 1])
         grown = cross(dg[:, 0], g[:, 1]) + cross(g[:, 0], dg[:, 1])
@@ -159,13 +159,14 @@ class CentreStress:
         """Return membrane stresses, stresses at both faces, and thickness of all quads."""
         x, t, quads = state.node.x, state.node.t, state.quads
         every = np.arange(len(quads))
+        g, g_slope = _tangents(x, quads), _tangents(t, quads)
         mid, top, bottom = (
-            self._deformed(every, _tangents(x, t, quads, height), height)
+            self._deformed(every, g + height * g_slope, height)
             for height in (self._height[place] for place in ("mid", "top", "bottom"))
         )
         slope = (top.strain - bottom.strain) / (2.0 * self._height["top"])
         mean, coupling = self._membrane
-        axes = _lamina_axes(x, quads)
+        axes = _lamina_axes(g)
         at_places = [
             _in_plane(product(mid.strain, mean) + product(slope, coupling), mid, axes),
             _in_plane(product(top.strain, self._law["top"]), top, axes),
@@ -188,7 +189,7 @@ class CentreStress:
         if at is None:
             at = self._at_height[height] = _Undeformed.of(self._reference, height)
         up = at.up[which]
-        f = np.einsum("nia,nac->nic", up, g)
+        f = _along_axes(up, g)
         J = norm(cross(g[:, 0], g[:, 1])) / at.J[which]
         return _Deformed(up, f, _products(f, f) - at.products[which], J)
 
@@ -206,10 +207,10 @@ class _Undeformed(NamedTuple):
     @classmethod
     def of(cls, reference: Surface, height: float) -> _Undeformed:
         nodes, directors, corners = reference
-        G = _tangents(nodes, directors, corners, height)
+        G = _tangents(nodes, corners) + height * _tangents(directors, corners)
         T = directors[corners].mean(axis=1)
         up = frame_components(G[:, 0], G[:, 1], T)[0][:, :2, :2]
-        F = np.einsum("nia,nac->nic", up, G)
+        F = _along_axes(up, G)
         return cls(up, _products(F, F), norm(cross(G[:, 0], G[:, 1])))
 
 
@@ -226,15 +227,28 @@ class _Deformed(NamedTuple):
     """Change of area, shape (n,)."""
 
 
-def _tangents(x: Floats, t: Floats, corners: Ints, height: float) -> Floats:
-    """Return the base vectors at the centres of quads and a height, shape (n, 2, 3)."""
-    return np.asarray(np.einsum("da,nac->ndc", _AT_CENTRE, x[corners] + height * t[corners]))
+def _tangents(x: Floats, corners: Ints) -> Floats:
+    """Return the derivatives of x : (n_node, 3) by xi and eta at quads' centres, (n, 2, 3)."""
+    first, second, third, fourth = np.moveaxis(x[corners], 1, 0)
+    along, across = third - first, second - fourth
+    return np.stack([0.25 * (along + across), 0.25 * (along - across)], axis=1)
+
+
+def _along_axes(up: Floats, g: Floats) -> Floats:
+    """Return (ê_i·G^alpha) g_alpha, shape (n, 2, 3)."""
+    return np.asarray(up[:, :, :1] * g[:, :1] + up[:, :, 1:] * g[:, 1:])
+
+
+def _dots(a: Floats, b: Floats) -> Floats:
+    """Return the scalar products of many vectors; a sum along a short axis takes much longer."""
+    terms = a * b
+    return np.asarray(terms[..., 0] + terms[..., 1] + terms[..., 2])
 
 
 def _products(a: Floats, b: Floats) -> Floats:
     """Return ½ a_1·b_1, ½ a_2·b_2, ½ (a_1·b_2 + a_2·b_1), shape (n, 3)."""
-    p = 0.5 * np.einsum("nic,njc->nij", a, b)
-    return np.stack([p[:, 0, 0], p[:, 1, 1], p[:, 0, 1] + p[:, 1, 0]], axis=1)
+    same, crossed = _dots(a, b), _dots(a, b[:, ::-1])
+    return 0.5 * np.stack([same[:, 0], same[:, 1], crossed[:, 0] + crossed[:, 1]], axis=1)
 
 
 def _tensors(S: Floats) -> Floats:
@@ -248,7 +262,7 @@ def _pushed(S: Floats, f: Floats, J: Floats) -> Floats:
 
 def _in_plane(S: Floats, now: _Deformed, axes: Floats) -> Floats:
     """Return S_ij f_i f_j / J as s11, s22, s12 along two axes : (n, 2, 3), shape (n, 3)."""
-    p, q = np.einsum("nic,nac->ian", now.f, axes)
+    p, q = (_dots(now.f[:, i, None], axes).T for i in (0, 1))
     first, second, both = S.T / now.J
     return np.stack(
         [
@@ -261,16 +275,14 @@ def _in_plane(S: Floats, now: _Deformed, axes: Floats) -> Floats:
 
 def in_lamina(sigma: Floats, thickness: Floats, x: Floats, quads: Ints) -> FaceStresses:
     """Return stresses of membrane, top and bottom, sigma : (n_quad, 3, 3, 3), as output."""
-    axes = _lamina_axes(x, quads)
+    axes = _lamina_axes(_tangents(x, quads))
     plane = np.einsum("nic,npcd,njd->npij", axes, sigma, axes)
     return _with_principal(plane[..., [0, 1, 0], [0, 1, 1]], thickness)
 
 
-def _lamina_axes(x: Floats, quads: Ints) -> Floats:
-    corners = x[quads]
-    e1 = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
-    a2 = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
-    return unit(np.stack([e1, cross(cross(e1, a2), e1)], axis=1))
+def _lamina_axes(g: Floats) -> Floats:
+    """Return the unit vectors along g_1 and across it in the sheet, g : (n, 2, 3), same shape."""
+    return unit(np.stack([g[:, 0], cross(cross(g[:, 0], g[:, 1]), g[:, 0])], axis=1))
 
 
 def _with_principal(stress: Floats, thickness: Floats) -> FaceStresses:
