@@ -51,9 +51,12 @@ class DistanceQueries(NamedTuple):
 
     place: Annotated[Floats, "(n_row, 3)"]
     """Where it was then, in the body frame [mm]."""
+    gap: Annotated[Floats, "(n_row, 3)"]
+    """Of a point outside, the vector to it from the closest point of the surface [mm]; 0 if that
+    is far away. The plane through the latter and across it is in front of the tool."""
     free: Annotated[Floats, "(n_row,)"]
-    """Within this distance of that place what was found holds [mm]: a point outside does not touch,
-    and the depth of one inside follows from its faces."""
+    """Within this distance of that place what was found holds [mm]: a point outside does not touch
+    before it reaches that plane, and the depth of one inside follows from its faces."""
     face: Annotated[Ints, "(n_row, 2)"]
     """Of a point inside, the triangles whose planes give its depth, twice the same where one does;
     else -1."""
@@ -63,7 +66,8 @@ class DistanceQueries(NamedTuple):
     @classmethod
     def none_yet(cls, n: int) -> DistanceQueries:
         """Return the table of n contact points that have not been evaluated yet."""
-        return cls(np.zeros((n, 3)), np.zeros(n), np.full((n, 2), -1), np.zeros(n))
+        place, gap, free, until = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
+        return cls(place, gap, free, np.full((n, 2), -1), until)
 
 
 class Memory(NamedTuple):

@@ -2,9 +2,11 @@
 
 The depth is that below the tool with its convex edges rounded (:mod:`shellcut.tool.rounded_depth`).
 
-*Waiting.* A search of the surface holds for a while: that of a point outside at the distance d from
-the tool until it has moved by d in the body frame; that of a point inside, whose depth follows from
-one or two faces, until it has moved so far that another face may count. One clock adds up how far
+*Waiting.* A search of the surface holds for a while. A point outside whose closest point of the
+surface is q stays outside as long as it is in front of the plane through q and across the way to
+it, and has not moved in the body frame by its distance from what of the tool is in front of that
+plane, too (:func:`.clear_before_plane`). That of a point inside, whose depth follows from one or two
+faces, holds until it has moved so far that another face may count. One clock adds up how far
 tool and film may have approached each other: the motion of the tool, and the largest speed of a
 listed node times the step. Until it has advanced as far as a point outside may move, not even the
 point's place is needed.
@@ -24,6 +26,7 @@ from shellcut.tool.rounded_depth import depth_under_faces, rounded_depth
 from shellcut.tool.signed_distance import (
     at_least,
     ball_clearance,
+    clear_before_plane,
     closest_of_side,
     closest_of_solid,
 )
@@ -53,7 +56,10 @@ def depth_in_tool(
     tool, queries, grid = tables.tool, tables.queries, tables.tool.grid
     radius = tables.law.rounding
     one, two = queries.face[i, 0], queries.face[i, 1]
-    rest = queries.free[i] - norm(sub(p, load(queries.place, i)))
+    moved, gap = sub(p, load(queries.place, i)), load(queries.gap, i)
+    rest, away = queries.free[i] - norm(moved), norm(gap)
+    if one < 0 and away > 0.0:
+        rest = min(rest, away + dot(gap, moved) / away - tool.round_off)
     if rest > 0.0:
         if one < 0:
             queries.until[i] = walked + rest
@@ -67,9 +73,11 @@ def depth_in_tool(
     queries.free[i], queries.face[i, 0], queries.until[i] = 0.0, -1, walked
     found, inside, whole, q = closest_of_solid(p, grid)
     if not inside:
-        away = norm(sub(p, q)) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
-        queries.free[i] = away - tool.round_off
-        queries.until[i] = walked + queries.free[i]
+        gap = sub(p, q)  # of what is not found, 0
+        away = norm(gap) if found else at_least(p, tool.reach, grid.cells, tool.empty_around)
+        free = max(clear_before_plane(p, q, grid), away) if found else away
+        store(queries.gap, i, gap)
+        queries.free[i], queries.until[i] = free - tool.round_off, walked + away - tool.round_off
         return False, whole, whole, 0.0, p, side
     flank, triangle = grid.surface.flank, whole
     if side == 0 and not tables.on_border:

@@ -315,6 +315,35 @@ def ball_clearance(
 
 
 @inline
+def clear_before_plane(p: Vec3, q: Vec3, grid: TriangleGrid) -> float:
+    """Return how far a point outside may move in front of a plane and touch nothing [mm].
+
+    The plane goes through the closest point of the surface and is square to the way from there to
+    p. Triangles that are nowhere in front of it are not met.
+
+    p, q : the point and the closest one, in the body frame [mm].
+    """
+    grid = borrowed(grid)
+    cell_start, cell_triangles, cell_distance = grid.lists
+    x, gap = grid.surface.corners, sub(p, q)
+    away = sqrt(dot(gap, gap))
+    in_grid, cell = cell_of(p, grid.cells)
+    if not in_grid or away == 0.0:
+        return 0.0
+    off_centre = _distance_from_centre(p, cell, grid.cells)
+    free = _unlisted(cell, 0, off_centre, grid)
+    for k in range(cell_start[cell], cell_start[cell + 1]):
+        if cell_distance[k] - off_centre > free:
+            break
+        t, level = cell_triangles[k], dot(gap, q) + _ROUND_OFF * away
+        for a in range(3):
+            if dot(gap, load(x[t], a)) > level:
+                free = min(free, _at_least_away(p, t, grid.surface.planes))
+                break
+    return free
+
+
+@inline
 def _unlisted(cell: int, side: int, off_centre: float, grid: TriangleGrid) -> float:
     """Return how far triangles of the side that a cell does not list are away at least [mm].
 
