@@ -126,7 +126,7 @@ class SheetContact(PressTerm):
         self._of_tool = n_tooth > 0
         radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
         self._clock = Clock(nothing, np.zeros(1), radius)
-        self._pairs, self._memory = Pairs.none(), Memory.blank(0)
+        self._pairs, self._memory, self._point_of_sheet = Pairs.none(), Memory.blank(0), nothing
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing
@@ -150,7 +150,7 @@ class SheetContact(PressTerm):
 
     def point_of_sheet(self) -> Ints:
         """Return the point of every contact point."""
-        return self._pairs.point_of_sheet
+        return self._point_of_sheet
 
     def knows_side(self) -> Bools:
         """Return of every contact point whether its point has a known side of the sheet."""
@@ -223,6 +223,7 @@ class SheetContact(PressTerm):
     def _lay_out(self, state: State) -> None:
         """Build the kernels' tables, good until the next search."""
         f, pairs, quads = state.flank, self._pairs, state.quad.nodes
+        self._point_of_sheet = pairs.point_of_sheet
         # Film moves as the ends of its flanks and its nodes do, not as virtual nodes swing.
         listed, near = np.zeros(len(quads), np.bool_), np.zeros(len(state.node.x), np.bool_)
         listed[pairs.row] = True

@@ -99,6 +99,8 @@ class Cracks:
         self.cuts = Cuts(state, shell, law, anisotropy, loads=loads, fibres=fibres)
         """Carries out the cuts."""
         self._check_every = fracture.check_every
+        self._tearing_until = 0
+        """Step from which on no tip is looked at between two checks."""
         self._shell, self._loads = shell, loads
         self._known = KnownTopology()
         topology = self.cuts.topology
@@ -145,8 +147,8 @@ class Cracks:
             Of the tool up to t_n [N·mm], noted in the log where a cut begins.
         """
         if state.step % self._check_every:
-            if running := [tip for tip in self.growth.tips if self._may_run(state, tip)]:
-                self._advance_running(state, running)
+            if state.step < self._tearing_until:
+                self._advance_running(state)
             return
         if not self._blade_cuts:
             self._advance_torn(state, list(self.growth.tips))
@@ -167,9 +169,15 @@ class Cracks:
         wait = max(since // _LOOKS, 1)
         return wait < self._check_every and since % wait == 0
 
-    def _advance_running(self, state: State, running: list[Tip]) -> None:
-        """Advance those of some cracks that are due without a blade and that no edge drives."""
-        if self._blade_cuts:
+    def _wait_no_longer(self, torn: int) -> None:
+        """Note the step of a tear: tips are looked at more often for a while."""
+        if torn >= 0:
+            self._tearing_until = max(self._tearing_until, torn + _LOOKS * self._check_every)
+
+    def _advance_running(self, state: State) -> None:
+        """Advance the cracks that have just torn, are due again, and that no edge drives."""
+        running = [tip for tip in self.growth.tips if self._may_run(state, tip)]
+        if self._blade_cuts and running:
             alive = [tip for tip in running if self._film.rows_ahead(tip)]
             self._watch.due(state, alive, self.growth.tips)
             running = self._watch.may_tear()
@@ -193,6 +201,7 @@ class Cracks:
             if found is None or found.measure < DUE or self._is_supported(state, found.segment):
                 continue
             self.growth.along(state, tip, found.segment, TEAR, found.measure, found.force)
+            self._wait_no_longer(state.step)
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Candidate | None:
         """Return along which segment a crack would run that no blade drives."""
@@ -255,6 +264,8 @@ class Cracks:
         """Take over :meth:`saved`; ``state`` is restored already."""
         self.cuts.restore(saved["cuts"])
         self.growth.tips = restored_tips(saved["tips"])
+        for tip in self.growth.tips:
+            self._wait_no_longer(tip.torn)
         if self._blade_cuts:
             self._pierce.restore(saved["near"])
         if self.stress is not None:

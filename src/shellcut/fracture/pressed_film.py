@@ -82,10 +82,11 @@ class PressedFilm(Kept):
 
         tips : (n, 3), where the cracks end that an edge drives [mm].
         """
-        points, places = self._points, self._places
-        loads = _loads_on_tips(points, places, self._limits.puncture.length, state, pose)
+        points, places, loads = self._points, self._places, dict[int, float]()
+        if touches := points.touch.sums[TOUCHING] > 0.0:
+            loads = _loads_on_tips(points, places, self._limits.puncture.length, state, pose)
         self._means.follow(state, pose, loads)
-        if not points.touch.sums[TOUCHING]:
+        if not touches:
             return []
         on, force, point = points.points, points.carriers.pressure, points.point_of_sheet()
         pressing = np.flatnonzero((force > 0.0) & (on.segment[point] >= 0))
