@@ -21,7 +21,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.material.law_dispatch import HistoryStep
-from shellcut.numerics.jit import kernel
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.lanes import pick_all, put_all
 
 from .element import N_STRAIN, Sixteen
@@ -57,6 +57,10 @@ class FilmTangents:
     def __init__(self, places: Places, linear: bool) -> None:
         self._places, self._linear = places, linear
         self._frozen = frozen_rule(places.points.rule)
+        # Once each: Numba's type of a law has a digest of all that its functions read.
+        self._differentiate, self._differentiate_frozen = (
+            BoundOnce(differentiate_resultants) for _ in range(2)
+        )
 
     @property
     def has_frozen_law(self) -> bool:
@@ -98,11 +102,11 @@ class FilmTangents:
         if self._linear:
             return self._made(present, quads, None, False)
         if self._frozen is None:
-            law = self._differentiated(present, quads, area, history, 0.0, _NO_MODULI)
+            law = self._differentiated(present, quads, area, history, 0.0, moduli=_NO_MODULI)
         else:
             # Its stress is that of the law but for the flow of one step, which only lowers it.
             frozen = present._replace(points=present.points._replace(rule=self._frozen))
-            law = self._differentiated(frozen, quads, area, history, 0.0)
+            law = self._differentiated(frozen, quads, area, history, 0.0, frozen=True)
         return self._made(present, quads, *law)
 
     def damping(self, present: PointQuads, quads: Ints) -> Floats:
@@ -158,21 +162,17 @@ class FilmTangents:
         area: Floats,
         history: Floats,
         dt: float,
+        *,
         moduli: Floats | None = None,
+        frozen: bool = False,
     ) -> _Section:
         """Return r and dr/ds of some quads, the latter by default."""
         resultants = np.empty((quads.size, N_STRAIN))
         if moduli is None:
             moduli = np.empty((quads.size, N_STRAIN, N_STRAIN))
-        differentiate_resultants(
-            slot=self._places.blocks.slot[quads],
-            quads=present,
-            history=history,
-            dt=dt,
-            area=area,
-            resultants=resultants,
-            moduli=moduli,
-        )
+        differentiate = self._differentiate_frozen if frozen else self._differentiate
+        slot = self._places.blocks.slot[quads]
+        differentiate(slot, present, history, dt, area, resultants, moduli)
         return resultants, True, moduli
 
     def _made(

@@ -25,7 +25,7 @@ import numpy as np
 from shellcut.arrays import Bools, Floats, Ints, SmallIds, Vec3, product
 from shellcut.material.law_dispatch import HistoryStep, has_axes, point_stress, point_thickness
 from shellcut.material.shell_material import ShellMaterial
-from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.lanes import pick_all
 from shellcut.numerics.vec3 import combine, cross, norm, scale
 from shellcut.state import State
@@ -43,6 +43,7 @@ class PointOutput:
 
     def __init__(self, material: ShellMaterial, places: Places) -> None:
         self._places, rule = places, places.points.rule
+        self._write_stresses = BoundOnce(_stresses)
         place, weight = rule.place, rule.weight
         off = np.abs(place)
         middle = off <= off.min() + 1e-9 * material.thickness
@@ -105,15 +106,15 @@ class PointOutput:
 
     def _stress(self, state: State, which: Ints, places: list[str]) -> tuple[Floats, Floats]:
         sigma, thickness = np.zeros((len(which), len(places), 3, 3)), np.zeros(len(which))
-        _stresses(
-            slot=self._places.blocks.slot[which],
-            quads=self._places.present(state),
-            history=state.history,
-            share=np.stack([self._share[place] for place in places]),
-            by_volume=self._by_volume,
-            nominal=places == ["nominal"],
-            sigma=sigma,
-            thickness=thickness,
+        self._write_stresses(
+            self._places.blocks.slot[which],
+            self._places.present(state),
+            state.history,
+            np.stack([self._share[place] for place in places]),
+            self._by_volume,
+            places == ["nominal"],
+            sigma,
+            thickness,
         )
         return sigma, thickness
 
