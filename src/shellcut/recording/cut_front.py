@@ -23,7 +23,7 @@ These values tell whether a cut is steady (:mod:`shellcut.results.steady_window`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -111,8 +111,8 @@ class _Edges:
         self._before = passed - passed[first][tool.edge_chain]
         self._closed = np.array([chain.closed for chain in tool.chains()])[tool.edge_chain]
 
-    def to_spare(self, segment: Ints, point: Floats) -> float:
-        """Return the distance from points on segments to the nearer end of the edge [mm].
+    def to_spare(self, segment: Ints, point: Floats) -> Floats:
+        """Return the distances from points on segments to the nearer end of the edge [mm].
 
         A closed edge has no end: half its length is returned.
         """
@@ -120,7 +120,7 @@ class _Edges:
         before, length = self._before[segment] + on, self._length[segment]
         spare = np.minimum(before, length - before)
         spare[self._closed[segment]] = 0.5 * length[self._closed[segment]]
-        return float(np.maximum(spare, 0.0).min())
+        return np.maximum(spare, 0.0)
 
 
 class CutFront:
@@ -165,16 +165,21 @@ class CutFront:
         rows = np.zeros_like(self._rows)
         rows[:, 0] = np.bincount(chain, length, len(rows))
         rows[:, 1] = np.bincount(chain[holds], length[holds], len(rows))
-        ends = self._ends_of(sim)
-        for k in np.unique(chain[holds]).tolist():
-            mine = met[holds & (chain == k)]
-            assert self._edges is not None
-            rows[k, 3] = self._edges.to_spare(cable.edge[mine], cable.joint_body[mine])
-            velocity = self._velocity(sim, self._edges, mine)
-            nth, tip, lead = _driven(sim, mine, ends.place, velocity)
+        zone, of, ends = met[holds], chain[holds], self._ends_of(sim)
+        if not zone.size:
+            return rows
+        assert self._edges is not None
+        spare = self._edges.to_spare(cable.edge[zone], cable.joint_body[zone])
+        velocity, at = self._velocity(sim, self._edges, zone), cable.at_ends(sim.state.node.X)[zone]
+        poses = self._poses(sim.state.time)
+        for k in np.unique(of).tolist():
+            mine = np.flatnonzero(of == k)
+            rows[k, 3] = spare[mine].min()
+            nth, tip, lead = _driven(at[mine, :1], ends.place, velocity[mine])
             if np.isfinite(lead):
-                segment = int(cable.edge[mine[nth]])
-                course = self._course(sim, tip, ends, self._edges.curves, segment, velocity[nth])
+                one = mine[nth]
+                segment = int(cable.edge[zone[one]])
+                course = self._course(poses, tip, ends, self._edges.curves, segment, velocity[one])
                 rows[k, 2] = lead + self._ahead(tip, ends, *course)
         return rows
 
@@ -204,26 +209,29 @@ class CutFront:
     def _ahead(
         self, tip: int, ends: CrackEnds, first: Floats, second: Floats, curvature: float
     ) -> float:
-        others = ends.own != tip
-        gap = ends.obstacle[others] - ends.place[tip]
+        gap = ends.obstacle - ends.place[tip]
         a, b = product(gap, first), product(gap, second)
-        if abs(curvature) * self._extent <= _STRAIGHT:
-            way, beside = a, np.abs(b)
-        else:
-            # Work from the centre of the circle, which lies on the side of the turn.
-            radius = 1.0 / abs(curvature)
-            b = np.copysign(1.0, curvature) * b
-            way = radius * np.mod(each(math.atan2, a, radius - b), 2.0 * np.pi)
-            beside = np.abs(np.hypot(a, radius - b) - radius)
-        size = ends.size[others]
+        straight = abs(curvature) * self._extent <= _STRAIGHT
+        # Else from the centre of the circle, which lies on the side of the turn.
+        radius = np.inf if straight else 1.0 / abs(curvature)
+        b = np.copysign(1.0, curvature) * b
+        beside = np.abs(b) if straight else np.abs(np.hypot(a, radius - b) - radius)
+        near = np.flatnonzero((beside <= _BESIDE * ends.size) & (ends.own != tip))
+        a, b, size = a[near], b[near], ends.size[near]
+        way = a if straight else radius * np.mod(each(math.atan2, a, radius - b), 2.0 * np.pi)
         # the far side of a tube is no obstacle
-        through = np.abs(product(gap, cross(first, second)))
-        met = (beside <= _BESIDE * size) & (way > 0.0) & (through <= np.maximum(way, size))
+        through = np.abs(product(gap[near], cross(first, second)))
+        met = (way > 0.0) & (through <= np.maximum(way, size))
         return float(way[met].min(initial=self._extent))
+
+    def _poses(self, time: float) -> list[Pose]:
+        """Return the pose of the tool at a time [s], and two a little later."""
+        assert self._motion is not None
+        return [pose_at(self._motion, time + k * self._look) for k in range(3)]
 
     def _course(
         self,
-        sim: Simulation,
+        poses: Sequence[Pose],
         tip: int,
         ends: CrackEnds,
         curves: EdgeCurves,
@@ -235,20 +243,17 @@ class CutFront:
         The place of the tip moves on with the tool, or with the arc in which it turns: with that
         which moves more like the place at which the edge passes through the film.
 
-        velocity : of that place, (3,), [mm/s].
+        poses : of :meth:`_poses`.  velocity : of that place, (3,), [mm/s].
         """
-        motion = self._motion
-        assert motion is not None
         director, here = ends.director[tip], ends.place[tip]
-        now = pose_at(motion, sim.state.time)
-        then = [pose_at(motion, sim.state.time + k * self._look) for k in (1, 2)]
+        now, *then = poses
         axis, centre = curves.axis[segment], curves.centre[segment]
         frames = [then]
         if axis.any():
             frames.append([_turned_back(now, pose, axis, centre) for pose in then])
         local, ways = product(now.rotation.T, here - now.translation), []
-        for poses in frames:
-            places = [product(pose.rotation, local) + pose.translation - here for pose in poses]
+        for frame in frames:
+            places = [product(pose.rotation, local) + pose.translation - here for pose in frame]
             ways.append((places, [p - product(p, director) * director for p in places]))
         places, (first, second) = min(
             ways, key=lambda way: float(norm(way[1][0] - self._look * velocity))
@@ -272,14 +277,15 @@ class CutFront:
         return ahead, cross(director, ahead), curvature
 
 
-def _driven(sim: Simulation, zone: Ints, tips: Floats, velocity: Floats) -> tuple[int, int, float]:
+def _driven(cables: Floats, tips: Floats, velocity: Floats) -> tuple[int, int, float]:
     """Return which tip an edge drives at which of its cables, and its lead [mm], inf if none.
 
-    tips : (n, 3), [mm].  velocity : at the cables, (n_zone, 3), [mm/s].
+    cables : where they are, (n_zone, 1, 3), [mm].  tips : (n, 3), [mm].  velocity : at the cables,
+    (n_zone, 3), [mm/s].
     """
     if not len(tips):
         return -1, -1, np.inf
-    gap = tips - sim.state.cable.at_ends(sim.state.node.X)[zone, :1]
+    gap = tips - cables
     distance = np.linalg.norm(gap, axis=2)
     ahead = np.einsum("ztc,zc->zt", gap, velocity)
     moving = np.linalg.norm(velocity, axis=1) > 0.0

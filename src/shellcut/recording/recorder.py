@@ -321,8 +321,9 @@ class Recorder:
         yield from r.row(sim)
         ledger = sim.close_ledger()
         yield from ((name, "N*mm", energy) for name, energy in vars(ledger).items())
-        yield "imbalance", "N*mm", ledger.imbalance
-        yield "imbalance_rel", "-", ledger.relative(ledger.imbalance)
+        imbalance = ledger.imbalance
+        yield "imbalance", "N*mm", imbalance
+        yield "imbalance_rel", "-", ledger.relative(imbalance)
         yield "dt", "s", s.dt
         if sim.film_motion is not None:
             yield KINETIC_IN_FILM, "N*mm", sim.kinetic_in_film

@@ -38,4 +38,7 @@ def save(figure: Any, path: str | os.PathLike[str]) -> None:
     The file appears only when it is complete.
     """
     with atomic_write(Path(path)) as temporary:
-        figure.savefig(temporary)
+        if temporary.suffix.lower() == ".png":
+            figure.canvas.print_png(temporary)  # savefig draws everything twice
+        else:
+            figure.savefig(temporary)
