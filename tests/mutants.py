@@ -75,6 +75,8 @@ def left_out(node):
             return [node.returns, *node.decorator_list]
         case ast.If(body=[*_, ast.Raise()]):
             return [node.test]
+        case ast.keyword(arg="strict"):  # of zip: it shows only what is wrong elsewhere
+            return [node.value]
         case ast.If(test=ast.Name("TYPE_CHECKING")):
             return [node.test, *node.body]
     return []

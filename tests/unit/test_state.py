@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from shellcut import StraightMotion, Support
+from naive import cases
+from shellcut import ShellMaterial, Simulation, StraightMotion, Support
 from shellcut.frame import Frame
 from shellcut.mesh.structured import rectangle
 from shellcut.mitc4.initial_state import initial_state
@@ -29,6 +30,18 @@ def test_initial_state_is_the_mesh_at_rest():
     assert mesh.quads[0, 0] == 0
     assert (state.time, state.step, state.revision, state.crack_length) == (0.0, 0, 0, 0.0)
     assert state.n_cable == 0
+
+
+@pytest.mark.parametrize("name", ["flat", "curved"])
+def test_a_film_that_turns_takes_its_directors_along(name):
+    """Wherever it lies: the spin of a director is that of the body without the part along it."""
+    mesh, spin = cases.ALL[name](4, 3), np.array([30.0, -20.0, 50.0])
+    mesh = cases.moved_mesh(mesh, mesh.nodes + np.array([70.0, -40.0, 25.0]))
+    velocity = np.cross(spin, mesh.nodes) + np.array([1.0, 2.0, 3.0])
+    sim = Simulation(mesh, ShellMaterial.homogeneous(), velocity=velocity, damping_alpha=0.0)
+    t = mesh.directors
+    wanted = spin - (t @ spin)[:, None] * t
+    np.testing.assert_allclose(sim.state.node.spin_half[: mesh.n_node], wanted, rtol=0, atol=1e-6)
 
 
 def test_a_film_of_one_quad_is_cut():

@@ -53,6 +53,20 @@ def test_glue_and_base_carry_a_pressure(pressure):
     assert points.largest.max() < 0.05
 
 
+def test_the_step_counts_the_steepest_glue_under_each_node():
+    """Of all quads at a node, also where they differ in size, and of sliding if it is steeper."""
+    mesh = rectangle(2.0, 1.0, n_x=4, n_y=2)
+    uneven = mesh.nodes.copy()
+    uneven[:, 0] **= 2
+    mesh = sc.Mesh.from_arrays(uneven, mesh.quads)
+    glue = sc.Adhesion(quads=np.arange(mesh.n_quad), strength=0.5, stiffness=30.0, shear=1.5)
+    sim = sc.Simulation(mesh, FILM, terms=[glue])
+    nodes, stiffness = glue_of(sim).stiffness(sim.state, {})
+    area = np.bincount(mesh.quads.ravel(), np.repeat(0.25 * mesh.quad_areas(), 4), mesh.n_node)
+    np.testing.assert_array_equal(nodes, np.arange(mesh.n_node))
+    np.testing.assert_allclose(stiffness, 30.0 * 1.5**2 * area, rtol=1e-12)
+
+
 def test_a_pressure_above_the_strength_pulls_the_sheet_off():
     off = pressed(0.55)
     assert not glue_of(off).points.traction.any()
