@@ -6,7 +6,7 @@ import pytest
 from naive.contact import distances, winding_number
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.shapes import straight_blade, tooth_ring
-from shellcut.tool.signed_distance import at_least
+from shellcut.tool.signed_distance import at_least, clear_before_plane
 
 
 def random_points(tool, seed, n=500):
@@ -123,3 +123,29 @@ def test_what_is_not_found_is_no_closer_than_its_empty_cells_say():
     true = distances(points, tool).min(axis=1)
     assert (np.array(least) <= true * (1.0 + 1e-12)).all()
     assert np.median(np.array(least) / true) > 0.5
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [straight_blade(wedge_half_angle_deg=12.0, height=1.2), tooth_ring(n_teeth=2)],
+    ids=["blade", "teeth"],
+)
+def test_a_point_in_front_of_the_plane_through_its_closest_point_stays_outside(tool):
+    grid, rng = ClosestTriangleGrid.of(tool), np.random.default_rng(3)
+    points = random_points(tool, seed=14, n=400)
+    found, inside, _, closest = grid.query(points)
+    gap = np.linalg.norm(points - closest, axis=1)
+    outside = found & ~inside & (gap > 0.0)
+    p, q, gap = points[outside], closest[outside], gap[outside]
+    free = [clear_before_plane(tuple(a), tuple(b), grid.arrays) for a, b in zip(p, q, strict=True)]
+    free = np.maximum(free, gap)
+    # In any direction, most of them along the plane and a little towards the tool.
+    along = rng.standard_normal((len(p), 8, 3))
+    away = ((p - q) / gap[:, None])[:, None]
+    along -= ((along * away).sum(axis=2, keepdims=True) + rng.uniform(0.0, 0.2, (8, 1))) * away
+    along *= (0.999 * free / np.linalg.norm(along, axis=2).T).T[..., None]
+    there = p[:, None] + along
+    in_front = ((there - q[:, None]) * away).sum(axis=2) > 1e-9
+    assert not (winding_number(there[in_front], tool) > 0.5).any()
+    assert in_front.mean() > 0.2
+    assert (free > 3.0 * gap).mean() > 0.5  # which is what the plane is for

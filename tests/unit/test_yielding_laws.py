@@ -328,9 +328,7 @@ def test_what_cannot_be_is_refused_with_a_sentence(make, said):
 
 
 def test_the_work_of_a_film_that_yields_at_a_rate_is_stored_or_lost():
-    point = MaterialPoint(
-        sc.Plastic(FILM, sc.Linear(20.0, 50.0), rate=sc.CowperSymonds(40.0, 5.0))
-    )
+    point = MaterialPoint(sc.Plastic(FILM, sc.Linear(20.0, 50.0), rate=sc.CowperSymonds(40.0, 5.0)))
     work, strain, stress = 0.0, np.zeros(3), np.zeros(3)
     for along in np.linspace(0.0, 0.1, 101)[1:]:
         state = point.pull(along, dt=1e-5)

@@ -126,7 +126,8 @@ class SheetContact(PressTerm):
         self._of_tool = n_tooth > 0
         radius = float(np.linalg.norm(points.place, axis=1).max(initial=0.0))
         self._clock = Clock(nothing, np.zeros(1), radius)
-        self._pairs, self._memory, self._point_of_sheet = Pairs.none(), Memory.blank(0), nothing
+        self._pairs, self._memory = Pairs.none(), Memory.blank(0)
+        self._point_of_sheet: Ints = nothing
         self._met: Bools = np.zeros(0, np.bool_)
         self._waits, self._presses = Waits(np.zeros(0), np.zeros(0)), Presses.with_room(0)
         self._tracked: Ints = nothing

@@ -47,8 +47,10 @@ def _part(first: int, n: int, size: int, is_new: bool) -> tuple[int, int]:
 
 
 def _joined(pieces: list[tuple[int, bytes]]) -> list[tuple[int, bytes]]:
-    """Return pieces in the order of their offsets, adjacent ones as one; as they are if some
-    overlap."""
+    """Return pieces in the order of their offsets, adjacent ones as one.
+
+    As they are if some overlap: of these the later one counts.
+    """
     joined: list[tuple[int, list[bytes]]] = []
     end = -1
     for first, data in sorted(pieces, key=itemgetter(0)):

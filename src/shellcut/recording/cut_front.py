@@ -120,7 +120,7 @@ class _Edges:
         before, length = self._before[segment] + on, self._length[segment]
         spare = np.minimum(before, length - before)
         spare[self._closed[segment]] = 0.5 * length[self._closed[segment]]
-        return np.maximum(spare, 0.0)
+        return np.asarray(np.maximum(spare, 0.0))
 
 
 class CutFront:
