@@ -236,7 +236,7 @@ def tests_for(name):
     words = [path.stem, *(one for one in has if not one.startswith("_"))]
     word = re.compile(rf"\b({'|'.join(words)})\b")
     naming = [p.relative_to(ROOT).as_posix() for p in every if word.search(p.read_text())]
-    named = [one for one in naming if Path(one).stem == f"test_{path.stem}"]
+    named = [p.relative_to(ROOT).as_posix() for p in every if p.stem == f"test_{path.stem}"]
     of_room = [f"tests/unit/test_{one}.py" for one in ROOMS[room].split()]
     both = [one for one in of_room if one in naming]
     return [*dict.fromkeys([*named, of_room[0], *both, *of_room, *naming, *EXAMPLES])]

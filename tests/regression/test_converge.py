@@ -63,6 +63,10 @@ def test_companions_that_are_killed_go_on_and_give_error_bars(tmp_path, capsys):
     assert {bar.figure for bar in again.bars} > {"force_peak_N", "crack_length_mm"}
     assert main(["converge", str(run), "--jobs=1", "--figures=n_bolt"]) == 2
     assert "there is no value" in capsys.readouterr().err
+    before = done_at(out)
+    assert main(["converge", str(run), "--jobs=1", "--set=motion.speed=3000"]) == 2
+    assert "another model than that of" in capsys.readouterr().err
+    assert done_at(out) == before
 
 
 def test_a_film_from_gmsh_gets_its_error_bars(tmp_path):

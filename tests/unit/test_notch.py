@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from free_strip import cut_strip, slanted_strip
+from shellcut import CohesiveLaw, Fracture, Mesh, ShellMaterial, Simulation
 from shellcut.arrays import off_segments
 from shellcut.mesh.structured import rectangle
 
@@ -40,3 +41,26 @@ def test_a_notch_lies_on_its_line_from_the_rim_to_the_end(mesh, line):
     every = np.concatenate([places, [tip]])
     nearest = np.linalg.norm(along[:, None] - every, axis=2).min(axis=1)
     assert nearest.max() < SIZE
+
+
+@pytest.mark.parametrize("gap", [0.002, 0.1, 0.5])
+@pytest.mark.parametrize("ahead", [-0.3, 0.0, 0.3])
+@pytest.mark.parametrize("lean", [0.0, 0.4])
+def test_each_sheet_of_a_stack_is_notched_where_the_line_lies_in_it(gap, ahead, lean):
+    """However near the other sheet is, whichever sticks out, however both lie in space."""
+    sheet = rectangle(3.2, 1.6, n_x=8, n_y=4)
+    c, s = np.cos(lean), np.sin(lean)
+    turn = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    shift = np.array([ahead, 0.0, gap])
+    nodes = np.concatenate([sheet.nodes, sheet.nodes + shift]) @ turn.T
+    mesh = Mesh.from_arrays(nodes, np.concatenate([sheet.quads, sheet.quads + sheet.n_node]))
+    film, law = ShellMaterial.homogeneous(), CohesiveLaw()
+    sim = Simulation(mesh, film, law=law, fracture=Fracture(path="free"))
+    left = sheet.nodes[:, 0].min()
+    for begin in (np.array([left, 0.11, 0.0]), np.array([left, 0.11, 0.0]) + shift):
+        before = sim.state.n_quad
+        sim.notch(turn @ (begin - [0.3, 0.0, 0.0]), turn @ (begin + [1.3, 0.0, 0.0]))
+        cut = sim.state.quad.parent[before : sim.state.n_quad]
+        height = (mesh.nodes[mesh.quads[cut]].mean(axis=1) @ turn)[:, 2]
+        np.testing.assert_allclose(height, begin[2], rtol=0, atol=1e-9)
+        assert len(cut) == 4

@@ -30,7 +30,7 @@ def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a run's folder")
     parser.add_argument(
-        "-o", "--out", metavar="OUT", type=named, help="folder [for a run: RUN/converge]"
+        "-o", "--out", metavar="OUT", type=named, help="folder [for a run without --set: RUN/converge]"
     )
     parser.add_argument(
         "--figures", metavar="NAMES", default="", help="names in summary.json, joined by commas"
@@ -43,6 +43,11 @@ def run(arguments: Arguments) -> int:
     """Run what is not done yet, print the table."""
     model, out = Path(arguments.model), arguments.out
     if model.is_dir():
+        if out is None and arguments.settings:
+            return refuse(
+                f"--set makes another model than that of {model}, whose error bars these would not "
+                "be: give a folder of their own, -o OUT"
+            )
         model, out = model / "used.toml", out or model / CONVERGED
     if out is None:
         return refuse("give a folder for the runs: -o OUT")

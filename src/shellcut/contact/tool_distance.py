@@ -3,13 +3,13 @@
 The depth is that below the tool with its convex edges rounded (:mod:`shellcut.tool.rounded_depth`).
 
 *Waiting.* A search of the surface holds for a while. A point outside whose closest point of the
-surface is q stays outside in front of the plane through q that is square to the way to it, until it
-has moved in the body frame by its distance from what of the tool lies in front of that plane, too
-(:func:`.clear_before_plane`). That of a point inside, whose depth follows from one or two faces,
-holds until it has moved so far that another face may count. One clock adds up how far tool and film
-may have approached each other: the motion of the tool, and the largest speed of a listed node times
-the step. Until it has advanced as far as a point outside may move, not even the point's place is
-needed.
+surface is q stays outside in front of the plane through q that is square to the line from q to it,
+until it has moved in the body frame by its distance from what of the tool lies in front of that
+plane, too (:func:`.clear_before_plane`). That of a point inside, whose depth follows from one or
+two faces, holds until it has moved so far that another face may count. One clock adds up how far
+tool and film may have approached each other: the motion of the tool, and the largest speed of a
+listed node times the step. Until it has advanced as far as a point outside may move, not even the
+point's place is needed.
 """
 
 from __future__ import annotations

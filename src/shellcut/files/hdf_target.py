@@ -21,7 +21,6 @@ import os
 import struct
 from collections.abc import Iterator
 from contextlib import suppress
-from operator import itemgetter
 from pathlib import Path
 from typing import Any, Literal
 
@@ -44,23 +43,6 @@ def _part(first: int, n: int, size: int, is_new: bool) -> tuple[int, int]:
     """Return which bytes of a piece lie beyond a size, or before it."""
     split = min(max(size - first, 0), n)
     return (split, n) if is_new else (0, split)
-
-
-def _joined(pieces: list[tuple[int, bytes]]) -> list[tuple[int, bytes]]:
-    """Return pieces in the order of their offsets, adjacent ones as one.
-
-    As they are if some overlap: of these the later one counts.
-    """
-    joined: list[tuple[int, list[bytes]]] = []
-    end = -1
-    for first, data in sorted(pieces, key=itemgetter(0)):
-        if first < end:
-            return pieces
-        if first > end:
-            joined.append((first, []))
-        joined[-1][1].append(data)
-        end = first + len(data)
-    return [(first, b"".join(parts)) for first, parts in joined]
 
 
 class HdfTarget(io.RawIOBase):
@@ -96,8 +78,7 @@ class HdfTarget(io.RawIOBase):
     def keep(self) -> None:
         """Write what has come, which makes a consistent file; raises OSError if it cannot."""
         if self._failure is None and (self._in_memory or self._size != self._kept):
-            written = _joined(self._in_memory)
-            spans = [(first, first + len(data)) for first, data in written]
+            spans = [(first, first + len(data)) for first, data in self._in_memory]
             spans.append((self._size, self._kept))  # of a file that gets shorter
             old = [
                 (first, self._stored(first, min(end, self._kept) - first)) for first, end in spans
@@ -106,7 +87,7 @@ class HdfTarget(io.RawIOBase):
             pieces = [
                 (first + begin, data[begin:end])
                 for is_new in (True, False)
-                for first, data in written
+                for first, data in self._in_memory
                 for begin, end in [_part(first, len(data), self._kept, is_new)]
                 if begin < end
             ]

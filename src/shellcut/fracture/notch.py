@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import math
+from operator import itemgetter
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, product, unit
+from shellcut.arrays import Floats, cross, norm, product, unit
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import NOTCH, State
 
@@ -94,10 +96,10 @@ def _border_tip(state: State, start: Floats, end: Floats) -> Tip | None:
     """Return a tip on the border where a line between two points first crosses it.
 
     Seen along the film's normal there: on a curved film the line leaves the sheet, and a side
-    of the border is crossed from which it is nearer than the side is long.
+    of the border is crossed from which it is nearer than the side is long. Of several sheets that
+    it enters so, that counts which it passes closest by.
     """
-    along = end - start
-    best, found = np.inf, None
+    along, crossed = end - start, []
     for a, b in boundary_edges(state).tolist():
         A, B = state.node.X[[a, b]]
         size, n = float(norm(A - B)), state.node.t[a] + state.node.t[b]
@@ -108,13 +110,17 @@ def _border_tip(state: State, start: Floats, end: Floats) -> Tip | None:
         ahead, s = least_squares(base, gap)
         miss = norm(product(base, (ahead, s)) - gap)
         on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
-        height = abs(product(A + s * (B - A) - start - ahead * along, n))
-        if on_it and height < size and -AWAY < ahead < min(best, 1.0 + AWAY):
-            best, direction = ahead, unit(along)
-            at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
-            if at_end is not None:
-                found = Tip((at_end, at_end), 0.0, -1, direction)
-            else:
-                a, b, s = ascending(a, b, float(s))
-                found = Tip((a, b), s, -1, direction)
-    return found
+        height = float(abs(product(A + s * (B - A) - start - ahead * along, n)))
+        if on_it and height < size and -AWAY < ahead < 1.0 + AWAY:
+            leaves = product(cross(n, B - A), along) <= 0.0
+            # Of one flat sheet heights differ by round-off.
+            rank = bool(leaves), math.floor(height / (AWAY * size)), float(ahead)
+            crossed.append((rank, a, b, float(s)))
+    if not crossed:
+        return None
+    _, a, b, s = min(crossed, key=itemgetter(0))
+    at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
+    if at_end is not None:
+        return Tip((at_end, at_end), 0.0, -1, unit(along))
+    a, b, s = ascending(a, b, s)
+    return Tip((a, b), s, -1, unit(along))

@@ -123,7 +123,7 @@ class Comparison:
         table = [("", "measured", "simulated", "difference")]
         for name, unit, measured, simulated, difference in self.rows():
             both = [f"{cell}{after(unit)}" if cell else "" for cell in (measured, simulated)]
-            own = "" if difference.endswith(("%", "-")) else after(unit)
+            own = "" if not difference or difference.endswith(("%", "-")) else after(unit)
             table.append((name, both[0], both[1], f"{difference}{own}"))
         width = [max(len(cells[k]) for cells in table) for k in range(4)]
         lines = [

@@ -318,8 +318,8 @@ def ball_clearance(
 def clear_before_plane(p: Vec3, q: Vec3, grid: TriangleGrid) -> float:
     """Return how far a point outside may move in front of a plane and touch nothing [mm].
 
-    The plane goes through the closest point of the surface and is square to the way from there to
-    p. Triangles that are nowhere in front of it are not met.
+    The plane lies at the closest point of the surface, square to the line from there to p.
+    Triangles that are nowhere in front of it are not met.
 
     p, q : the point and the closest one, in the body frame [mm].
     """
