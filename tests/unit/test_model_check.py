@@ -479,3 +479,31 @@ def test_a_motion_whose_twist_is_not_the_rate_of_its_pose_is_doubted(wrong, abou
     said = [str(f) for f in found(strip_cut(motion=Own())) if "the rate of its pose" in str(f)]
     assert len(said) == bool(wrong)
     assert all(f"got a {wrong} of (" in one and "method twist of Own" in one for one in said)
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "words"),
+    [
+        ("mm", 1.0, ""),
+        ("mm", 0.7, ""),  # a component of it
+        ("mm", 2.0, "which must grow no faster than the tool moves"),
+        ("mm", -1.0, "which must grow, or they have the wrong sign"),
+        ("rad", 1.0, ""),
+        ("rad", 57.3, "which must grow no faster than the tool moves"),
+        ("rad", -1.0, "which must grow, or they have the wrong sign"),
+    ],
+)
+def test_a_coordinate_that_falls_or_outruns_the_tool_is_doubted(unit, factor, words):
+    screw = shellcut.ScrewMotion(150.0, ramp=1e-4, axis_point=(3.0, -40.0, 2.0))
+    line = shellcut.StraightMotion((0.6, 0.0, -0.8), 3e3, ramp=1e-4)
+    known = screw if unit == "rad" else line
+
+    class Own:
+        coordinate_unit, pose, twist = unit, known.pose, known.twist
+
+        def coordinate(self, time):
+            return 5.0 + factor * known.coordinate(time)
+
+    said = [str(f) for f in found(strip_cut(motion=Own())) if "coordinate of a motion" in str(f)]
+    assert len(said) == bool(words)
+    assert all(words in one and "let coordinate of Own be" in one for one in said)

@@ -59,7 +59,8 @@ def test_each_sheet_of_a_stack_is_notched_where_the_line_lies_in_it(gap, ahead, 
     left = sheet.nodes[:, 0].min()
     for begin in (np.array([left, 0.11, 0.0]), np.array([left, 0.11, 0.0]) + shift):
         before = sim.state.n_quad
-        sim.notch(turn @ (begin - [0.3, 0.0, 0.0]), turn @ (begin + [1.3, 0.0, 0.0]))
+        along = np.array([0.1, 0.0, 0.0])
+        sim.notch(turn @ (begin - 3.0 * along), turn @ (begin + 13.0 * along))
         cut = sim.state.quad.parent[before : sim.state.n_quad]
         height = (mesh.nodes[mesh.quads[cut]].mean(axis=1) @ turn)[:, 2]
         np.testing.assert_allclose(height, begin[2], rtol=0, atol=1e-9)

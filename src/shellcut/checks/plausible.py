@@ -80,9 +80,10 @@ def check_numbers(
 
 
 def check_motion(motion: Motion, until: float) -> Iterator[Finding]:
-    """Yield a doubt if angles of a table seem to wrap, or a twist is not the rate of its pose."""
+    """Yield doubts about a motion: angles of a table seem to wrap, or parts do not fit together."""
     if type(motion) not in KNOWN_MOTIONS:
         yield from _twist(motion, until)
+        yield from _coordinate(motion, until)
     if isinstance(motion, TableMotion) and (i := motion.leap) is not None:
         a, b = np.asarray(motion.rotation_vectors)[i : i + 2]
         yield doubt(
@@ -111,6 +112,32 @@ def _twist(motion: Motion, until: float) -> Iterator[Finding]:
                 f"where the pose changes by {point_text(moved[worst, of], 4)}",
                 f"correct the method twist of {type(motion).__name__}",
             )
+
+
+def _coordinate(motion: Motion, until: float) -> Iterator[Finding]:
+    """Yield a doubt if a coordinate falls, or grows faster than the motion."""
+    unit, dt = motion.coordinate_unit, _INTERVAL * until
+    first, last = (float(motion.coordinate(t)) for t in (0.0, until))
+    remedy = f"let coordinate of {type(motion).__name__} be the path in mm or the angle in rad"
+    rule = "force and torque are work over the coordinate of a motion, "
+    if last < first:
+        yield doubt(
+            f"{rule}which must grow, or they have the wrong sign and no mean",
+            f"one that falls from {first:.4g} to {last:.4g} {unit}",
+            remedy,
+        )
+    for t in ((np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * until).tolist():
+        rate = abs(motion.coordinate(t + dt) - motion.coordinate(t - dt)) / (2.0 * dt)
+        spin, velocity = (float(norm(np.asarray(part, float))) for part in motion.twist(t))
+        # A tool that turns may have any path: its points have different speeds.
+        most = spin if unit == "rad" else math.inf if spin > 0.0 else velocity
+        if rate > (1.0 + _SAME_TWIST) * most > 0.0:
+            yield doubt(
+                f"{rule}which must grow no faster than the tool moves",
+                f"{rate:.4g} {unit}/s at {t:.4g} s, where it moves at {most:.4g} {unit}/s",
+                remedy,
+            )
+            return
 
 
 def film_size(mesh: Mesh) -> float:

@@ -30,7 +30,11 @@ def add_to(parser: Parser) -> None:
     """Add its arguments to the parser."""
     parser.add_argument("model", metavar="MODEL", help="a model file, a name, or a run's folder")
     parser.add_argument(
-        "-o", "--out", metavar="OUT", type=named, help="folder [for a run without --set: RUN/converge]"
+        "-o",
+        "--out",
+        metavar="OUT",
+        type=named,
+        help="folder [RUN/converge for a run without --set]",
     )
     parser.add_argument(
         "--figures", metavar="NAMES", default="", help="names in summary.json, joined by commas"
