@@ -43,6 +43,7 @@ _BORDER = 1e-3  # edge lengths by which a place may miss its quad: chords of the
 _PASSED = 0.25  # edge lengths: an end of the path is none if the path goes on so near to it
 _SAME_WAY = 0.2  # edge lengths by which ways that lead over one place may part there
 _BEND = 2.0  # edge lengths between the places that the circle goes through
+_BETWEEN_SHEETS = 0.1  # edge lengths: spacing of the points on an edge that may meet several sheets
 _OFF_QUAD = 0.25  # edge lengths; a change of sign farther off is between two sheets
 
 
@@ -290,7 +291,9 @@ class _Search:
         if normal is not None:
             self._plane = normal, float(product(mesh.nodes, normal).mean())
         self._body_of_chain = tool.edge_body[np.unique(tool.edge_chain, return_index=True)[1]]
-        self._chains = [_refined(tool, k, self._edge_length) for k in range(tool.n_chain)]
+        # Two sheets may be nearer to each other than the quads are long.
+        spacing = self._edge_length * (_BETWEEN_SHEETS if self._plane is None else 1.0)
+        self._chains = [_refined(tool, k, spacing) for k in range(tool.n_chain)]
         self._times = self._moments()
         poses = [pose_at(motion, t) for t in self._times.tolist()]
         self._rotation = np.array([pose.rotation for pose in poses])
