@@ -46,7 +46,7 @@ ROOMS = {
     "near_nodes rounded_depth start_check blunt_tool time_step every_term",
     "fracture": "crack_meets tip_watch segment_cables tip_force cut_topology cut_state topology "
     "crack_path curved_paths side_tears puncture drawn_film anisotropy options blade_reach "
-    "cut_loads every_term severing",
+    "cut_loads every_term severing notch tear_onset running_tears pierced_places",
     "central_difference.py": "integrator load symmetry_plane quasi_static",
     "loads": "load cut_loads symmetry_plane support_pull freedoms integrator statics",
     "material": "material yielding_laws nominal_stress yielding_film new_law shell",
