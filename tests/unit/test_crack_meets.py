@@ -318,3 +318,27 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]
     assert tip.heading[0] < 0.0
     assert len(shell.mesh_quads) == sim.state.n_quad
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("aside", [-0.1, 0.03, 0.1])
+def test_a_crack_joins_one_that_comes_towards_it_at_its_tip(turned, backwards, aside):
+    """On a side of quads, whatever their first corners and in whichever order nodes have ids."""
+    mesh = aligned(turned)
+    if backwards:
+        last = mesh.n_node - 1
+        sets = {name: last - ids for name, ids in mesh.node_sets.items()}
+        mesh = Mesh.from_arrays(mesh.nodes[::-1], last - mesh.quads, node_sets=sets)
+    sim = cut_strip(mesh=mesh, notched=False)
+    x, y = start_of(sim), 0.14
+    sim.notch((x - 1.0, y, 0.0), (x + 2.2, y, 0.0))
+    (tip,) = sim.cracks.at_tips(sim.state.node.X)
+    sim.notch((x + 7.0, y + aside, 0.0), (x + 1.0, y + aside, 0.0))
+    assert not sim.cracks.tips
+    X = sim.mesh.nodes
+    a, b = (int(np.argmin(np.hypot(X[:, 0] - tip[0], X[:, 1] - at))) for at in (0.0, H))
+    # One place on that side, not two beside each other.
+    (s,) = sim.cracks.cuts.topology.crossings(a, b)
+    assert s == pytest.approx(y / H, abs=1e-9)
+    assert pieces_of(sim) == 2
