@@ -182,8 +182,8 @@ class TestRefusals:
         ("shape", "suffix", "words"),
         [
             (hollow, ".step", "solid 1 has a cavity: fill it"),
-            (touching, ".step", "step: solids 1 and 2 touch or overlap: unite them"),
-            (within, ".step", "step: solids 1 and 2 touch or overlap: unite them"),
+            (touching, ".step", "bodies touch or overlap: 1 and 2 near .*; unite them"),
+            (within, ".step", "bodies touch or overlap: 1 and 2 near .*; unite them"),
             (opened, ".step", r"open edges: the surface has a hole around \(1.5, 2, 5\)"),
             (opened, ".iges", r"open edges: the surface has a hole around \(1.5, 2, 5\)"),
             (sketch, ".step", "there must be surfaces, got none"),

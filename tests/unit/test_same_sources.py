@@ -42,6 +42,7 @@ BESIDE = {
     "checks/strength.py": "doubts about a film that is tight, yields or is held by glue",
     "material/material_point.py": "stress of a point by itself, of no film",
     "material/nominal_stress.py": "curves of tensile tests",
+    "tool/touching_bodies.py": "accepts tools or refuses them",
     "numerics/lane_exponentials.py": "the plain forms that only tests of kernels call",
 }
 """Rooms and files that are not on the way, with what they are for."""

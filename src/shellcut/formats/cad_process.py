@@ -9,7 +9,6 @@ imports nothing of shellcut, so that it starts at once.
 from __future__ import annotations
 
 import sys
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -110,23 +109,12 @@ def _read(gmsh: Any, path: str) -> None:
 
 
 def _refusals(gmsh: Any) -> list[str]:
-    # what a rigid tool of separate solid bodies cannot have
-    solids = [solid for _, solid in gmsh.model.getEntities(3)]
-    found = [
+    # why the solids cannot be a tool
+    return [
         f"solid {solid} has a cavity: fill it, a tool has no inner surfaces"
-        for solid in solids
+        for _, solid in gmsh.model.getEntities(3)
         if len(gmsh.model.occ.getSurfaceLoops(solid)[0]) > 1
     ]
-    boxes = {solid: gmsh.model.getBoundingBox(3, solid) for solid in solids}
-    for first, second in combinations(solids, 2):
-        a, b = boxes[first], boxes[second]
-        beside = any(a[k] > b[k + 3] or b[k] > a[k + 3] for k in range(3))
-        # OpenCASCADE counts the inside of a solid as the solid
-        if not beside and gmsh.model.occ.getDistance(3, first, 3, second)[0] == 0.0:
-            found.append(
-                f"solids {first} and {second} touch or overlap: unite them in the CAD program"
-            )
-    return found
 
 
 def _triangles(gmsh: Any, chord: float, scale: float) -> tuple[Any, Any, list[str]]:

@@ -17,6 +17,8 @@ from shellcut.arrays import Bools, Floats, Ints, SmallInts, angles, norm, produc
 from shellcut.formats.errors import counted, named, point_text
 from shellcut.numerics.connected_parts import by_first_appearance, close_parts, connected_parts
 
+from .touching_bodies import touching_bodies
+
 MERGE_TOLERANCE = 1e-7
 """Vertices closer than this fraction of the surface's diagonal are merged: the round-off of a
 single-precision STL file."""
@@ -101,7 +103,7 @@ class Surface:
         if crowded.size:
             found.append(
                 f"{counted(len(crowded), 'non-manifold edge')} (more than two triangles meet): "
-                f"{self._segments(crowded)}"
+                f"{self._segments(crowded)}; unite bodies that touch there"
             )
         twisted = np.flatnonzero(self.twisted)
         if twisted.size:
@@ -127,6 +129,20 @@ class Surface:
                 f"inside-out surface: negative volume of tooth {teeth} (of {unsound.size}); its "
                 "normals point inwards: give vertices, triangles[:, ::-1]"
                 + ("" if inverted.size == unsound.size else " for the triangles of that tooth")
+            )
+        sound = ~unsound[self.body]
+        touching = [
+            f"{i + 1} and {j + 1} near {point_text(place)}"
+            for i, j, place in touching_bodies(
+                self.vertices[self.triangles[sound]],
+                self.body[sound],
+                MERGE_TOLERANCE * float(norm(np.ptp(self.vertices, axis=0))),
+            )
+        ]
+        if touching:
+            found.append(
+                f"bodies touch or overlap: {named(touching)}; unite them in the program that made "
+                "them, or move them apart; fill a cavity"
             )
         return found
 

@@ -225,11 +225,12 @@ class Tool:
         ------
         ToolError
             Lists all defects: shapes, non-finite coordinates, degenerate triangles, holes,
-            non-manifold edges and vertices, orientation, missing cutting edges.
+            non-manifold edges and vertices, orientation, bodies that touch or overlap, missing
+            cutting edges.
 
         Notes
         -----
-        Self-intersection of the surface is not checked.
+        Whether a body intersects itself is not checked.
         """
         as_given = _cast(vertices, triangles, edges, sharp_angle_deg, flank_angle_deg)
         coordinates, ids, given = merge_vertices(*as_given)

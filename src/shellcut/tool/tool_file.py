@@ -105,11 +105,10 @@ def read_tool(
     Raises
     ------
     FileError
-        For a file that cannot be read; of STEP and IGES also for solids with cavities, or that
-        touch.
+        For a file that cannot be read; of STEP also for solids with cavities.
     ToolError
         For a surface with holes (listed with place and size), without an inside, or without a sharp
-        edge.
+        edge, and for bodies that touch or overlap.
     ImportError
         For STEP and IGES if Gmsh is missing.
 
