@@ -169,10 +169,10 @@ class Cracks:
         wait = max(since // _LOOKS, 1)
         return wait < self._check_every and since % wait == 0
 
-    def _wait_no_longer(self, torn: int) -> None:
-        """Note the step of a tear: tips are looked at more often for a while."""
-        if torn >= 0:
-            self._tearing_until = max(self._tearing_until, torn + _LOOKS * self._check_every)
+    def _note_tear(self, step: int) -> None:
+        """Note in which step a crack tore last, -1 if it did not: its tip is looked at for a while."""
+        if step >= 0:
+            self._tearing_until = max(self._tearing_until, step + _LOOKS * self._check_every)
 
     def _advance_running(self, state: State) -> None:
         """Advance the cracks that have just torn, are due again, and that no edge drives."""
@@ -201,7 +201,7 @@ class Cracks:
             if found is None or found.measure < DUE or self._is_supported(state, found.segment):
                 continue
             self.growth.along(state, tip, found.segment, TEAR, found.measure, found.force)
-            self._wait_no_longer(state.step)
+            self._note_tear(state.step)
 
     def _through_quads(self, state: State, tip: Tip, tips: Sequence[Tip]) -> Candidate | None:
         """Return along which segment a crack would run that no blade drives."""
@@ -265,7 +265,7 @@ class Cracks:
         self.cuts.restore(saved["cuts"])
         self.growth.tips = restored_tips(saved["tips"])
         for tip in self.growth.tips:
-            self._wait_no_longer(tip.torn)
+            self._note_tear(tip.torn)
         if self._blade_cuts:
             self._pierce.restore(saved["near"])
         if self.stress is not None:
