@@ -170,7 +170,7 @@ class Cracks:
         return wait < self._check_every and since % wait == 0
 
     def _note_tear(self, step: int) -> None:
-        """Note in which step a crack tore last, -1 if it did not: its tip is looked at for a while."""
+        """Note the step of a tear, -1 of none: for a while tips are looked at between checks."""
         if step >= 0:
             self._tearing_until = max(self._tearing_until, step + _LOOKS * self._check_every)
 
