@@ -10,6 +10,7 @@ from shellcut.material import MaterialPoint
 from shellcut.material import logarithmic_strain as log_strain
 from shellcut.material.hardening import ACCURACY, FARTHEST
 from shellcut.material.rate_factor import RateFactor
+from shellcut.material.secants import secants_at
 from shellcut.numerics.lane_exponentials import exponential, logarithm
 from shellcut.numerics.lane_functions import any_above
 from shellcut.numerics.lanes import pick, put
@@ -337,3 +338,17 @@ def test_the_work_of_a_film_that_yields_at_a_rate_is_stored_or_lost():
     assert 0.0 < state.stored < 0.5 * work
     # Of a hundred steps each flows with the stress at its end.
     assert state.stored + state.dissipated == pytest.approx(work, rel=2e-3)
+
+
+@pytest.mark.parametrize("r_values", [None, (3.0, 3.0, 3.0), (0.3, 0.5, 0.4)])
+def test_the_secant_where_a_film_is_pulled_in_all_directions(r_values):
+    """A film that resists thinning yields later so, one that thins easily sooner."""
+    foil = sc.Plastic(FILM, sc.Linear(20.0, 50.0), r_values=r_values)
+    film, tension = sc.ShellMaterial([sc.Layer(foil, 0.05)]), 40.0
+    point = MaterialPoint(foil)
+    for part in np.linspace(0.02, 1.0, 50):
+        state = point.stress_to(np.array([part * tension, part * tension, 0.0]))
+    (secant,), strain = secants_at(film, tension * 0.05)
+    assert strain == pytest.approx(0.5 * (state.strain[0] + state.strain[1]), rel=2e-3)
+    elastic = tension * (1.0 - NU) / E
+    assert secant == pytest.approx(elastic / strain, rel=1e-9)
