@@ -507,3 +507,21 @@ def test_a_coordinate_that_falls_or_outruns_the_tool_is_doubted(unit, factor, wo
     said = [str(f) for f in found(strip_cut(motion=Own())) if "coordinate of a motion" in str(f)]
     assert len(said) == bool(words)
     assert all(words in one and "let coordinate of Own be" in one for one in said)
+
+
+@pytest.mark.parametrize("gap", [0.16, 0.3, 0.5, 0.8, 1.1])
+def test_an_edge_is_seen_to_pass_through_each_of_two_sheets(gap):
+    """Also where these are nearer to each other than their quads are long."""
+    sheet = rectangle(12.0, 8.0, size=0.8)
+    nodes = np.concatenate([sheet.nodes, sheet.nodes + [0.0, 0.0, gap]])
+    sets = {
+        name: np.concatenate([ids, ids + sheet.n_node]) for name, ids in sheet.node_sets.items()
+    }
+    quads = np.concatenate([sheet.quads, sheet.quads + sheet.n_node])
+    mesh = shellcut.Mesh.from_arrays(nodes, quads, node_sets=sets)
+    case = strip_cut(mesh, tool=straight_blade(length=14.0, height=6.0).translated((-0.05, 0, 0)))
+    place = shellcut.check_model(case.simulation, case.duration).sweep.place
+    lower, upper = (place[np.abs(place[:, 2] - z) < 0.05 * gap, 0] for z in (0.0, gap))
+    for along in (lower, upper):
+        assert along.min() < 0.5
+        assert along.max() > 8.0
