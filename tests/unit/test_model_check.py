@@ -513,7 +513,8 @@ def test_a_coordinate_that_falls_or_outruns_the_tool_is_doubted(unit, factor, wo
 def test_an_edge_is_seen_to_pass_through_each_of_two_sheets(gap):
     """Also where these are nearer to each other than their quads are long."""
     sheet = rectangle(12.0, 8.0, size=0.8)
-    nodes = np.concatenate([sheet.nodes, sheet.nodes + [0.0, 0.0, gap]])
+    above = np.array([0.0, 0.0, gap])
+    nodes = np.concatenate([sheet.nodes, sheet.nodes + above])
     sets = {
         name: np.concatenate([ids, ids + sheet.n_node]) for name, ids in sheet.node_sets.items()
     }
