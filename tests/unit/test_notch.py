@@ -65,3 +65,19 @@ def test_each_sheet_of_a_stack_is_notched_where_the_line_lies_in_it(gap, ahead, 
         height = (mesh.nodes[mesh.quads[cut]].mean(axis=1) @ turn)[:, 2]
         np.testing.assert_allclose(height, begin[2], rtol=0, atol=1e-9)
         assert len(cut) == 4
+
+
+@pytest.mark.parametrize("height", [0.0, 0.003, 0.01])
+def test_a_line_beside_its_sheet_enters_at_the_border_not_behind_a_hole(height):
+    """The film behind the hole has longer sides, and the line comes nearer to it."""
+    sheet = rectangle(4.0, 1.6, n_x=10, n_y=4)
+    nodes, left = sheet.nodes.copy(), sheet.nodes[:, 0].min()
+    nodes[:, 0] = (nodes[:, 0] - left) ** 2
+    x = nodes[sheet.quads].mean(axis=1)
+    hole = (x[:, 0] > 3.0) & (x[:, 0] < 6.0) & (np.abs(x[:, 1]) < 0.5)
+    used, quads = np.unique(sheet.quads[~hole], return_inverse=True)
+    mesh = Mesh.from_arrays(nodes[used], quads.reshape(-1, 4))
+    film, law = ShellMaterial.homogeneous(), CohesiveLaw()
+    sim = Simulation(mesh, film, law=law, fracture=Fracture(path="free"))
+    sim.notch((-0.3, 0.11, height), (9.0, 0.11, 0.3 * height))
+    assert sim.state.split_log[0].reference[0] == pytest.approx(0.0, abs=1e-9)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-import math
-from operator import itemgetter
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,27 @@ from .open_edges import boundary_edges
 from .quad_polygon import AWAY, WHOLE, ascending
 from .ray_ahead import SNAP
 from .tip import Place, Tip
+
+
+class _Crossed(NamedTuple):
+    """A side of the border that a line crosses."""
+
+    a: int
+    b: int
+    """Its nodes, and ..."""
+    s: float
+    """... the share of the side from a to where it is crossed."""
+    at: float
+    """How far along the line that is [mm]."""
+    height: float
+    """Of the line over the side there [mm]."""
+    size: float
+    """Length of the side [mm]."""
+    enters: bool
+    """Whether the line leads into the film."""
+
+
+_place = attrgetter("at")
 
 
 def cut_notch(growth: Growth, state: State, points: Floats) -> None:
@@ -97,9 +118,9 @@ def _border_tip(state: State, start: Floats, end: Floats) -> Tip | None:
 
     Seen along the film's normal there: on a curved film the line leaves the sheet, and a side
     of the border is crossed from which it is nearer than the side is long. Of several sheets that
-    it enters so, that counts which it passes closest by.
+    it enters within such a length, that counts which it passes closest by.
     """
-    along, crossed = end - start, []
+    along, crossed = end - start, list[_Crossed]()
     for a, b in boundary_edges(state).tolist():
         A, B = state.node.X[[a, b]]
         size, n = float(norm(A - B)), state.node.t[a] + state.node.t[b]
@@ -112,13 +133,16 @@ def _border_tip(state: State, start: Floats, end: Floats) -> Tip | None:
         on_it = miss < AWAY * size and -AWAY < s < 1.0 + AWAY
         height = float(abs(product(A + s * (B - A) - start - ahead * along, n)))
         if on_it and height < size and -AWAY < ahead < 1.0 + AWAY:
-            leaves = product(cross(n, B - A), along) <= 0.0
-            # Of one flat sheet heights differ by round-off.
-            rank = bool(leaves), math.floor(height / (AWAY * size)), float(ahead)
-            crossed.append((rank, a, b, float(s)))
+            enters = bool(product(cross(n, B - A), along) > 0.0)
+            at = float(ahead) * float(norm(along))
+            crossed.append(_Crossed(a, b, float(s), at, height, size, enters))
     if not crossed:
         return None
-    _, a, b, s = min(crossed, key=itemgetter(0))
+    entered = [one for one in crossed if one.enters] or crossed
+    first = min(one.at for one in entered)
+    near = [one for one in entered if one.at - first <= one.size]
+    least = min(one.height for one in near)
+    a, b, s, *_ = min((one for one in near if one.height <= least + AWAY * one.size), key=_place)
     at_end = next((n for n, at in ((a, 0.0), (b, 1.0)) if abs(s - at) < SNAP), None)
     if at_end is not None:
         return Tip((at_end, at_end), 0.0, -1, unit(along))
