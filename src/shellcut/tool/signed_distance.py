@@ -331,11 +331,11 @@ def clear_before_plane(p: Vec3, q: Vec3, grid: TriangleGrid) -> float:
     if not in_grid or away == 0.0:
         return 0.0
     off_centre = _distance_from_centre(p, cell, grid.cells)
-    free = _unlisted(cell, 0, off_centre, grid)
+    free, level = _unlisted(cell, 0, off_centre, grid), dot(gap, q) + _ROUND_OFF * away
     for k in range(cell_start[cell], cell_start[cell + 1]):
         if cell_distance[k] - off_centre > free:
             break
-        t, level = cell_triangles[k], dot(gap, q) + _ROUND_OFF * away
+        t = cell_triangles[k]
         for a in range(3):
             if dot(gap, load(x[t], a)) > level:
                 free = min(free, _at_least_away(p, t, grid.surface.planes))
