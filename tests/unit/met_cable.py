@@ -1,4 +1,4 @@
-"""A cable that the edge of a blade has just met."""
+"""A cable that the edge of a blade has just met, and its stiffness."""
 
 import numpy as np
 
@@ -33,3 +33,24 @@ def evaluated(cables, state, minus, plus, pose=None):
     state.node.force[:] = 0.0
     cables.add_forces(state, pose)
     return cables.forces
+
+
+def numeric_stiffness(cables, state, node, pose=None):
+    """Return the largest eigenvalue of the derivative of one node's force by its own position."""
+    x, delta, K = state.node.x.copy(), 1e-8, np.zeros((3, 3))
+    names = "opening_max status branch edge joint_body joint grip arc_grip transport".split()
+    saved = {name: getattr(state.cable, name).copy() for name in names}
+
+    def force_at(place):
+        for name, value in saved.items():
+            getattr(state.cable, name)[:] = value
+        state.node.x[:], state.node.force[:] = place, 0.0
+        cables.add_forces(state, pose or Pose.at_origin())
+        return state.node.force[node].copy()
+
+    for j in range(3):
+        moved = np.zeros_like(x)
+        moved[node, j] = delta
+        K[:, j] = -(force_at(x + moved) - force_at(x - moved)) / (2 * delta)
+    force_at(x)
+    return np.linalg.eigvalsh(0.5 * (K + K.T))[-1]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from far_pose import FAR
+from met_cable import numeric_stiffness
 from naive import cable as naive
 from shellcut.cables.cohesive_law import CohesiveLaw, CohesiveTable, area_below
 from shellcut.cables.directional_cable import CableSet
@@ -349,25 +350,6 @@ def test_the_start_force_works_by_what_is_left_of_it_over_each_step():
 
 
 # --- stiffness for the stable step -------------------------------------------------------------
-
-
-def numeric_stiffness(cables, state, node):
-    """Largest eigenvalue of the derivative of one node's force by its own position."""
-    x, delta, K = state.node.x.copy(), 1e-8, np.zeros((3, 3))
-    saved = {k: getattr(state.cable, k).copy() for k in ("opening_max", "status", "branch")}
-
-    def force_at(place):
-        for name, value in saved.items():
-            getattr(state.cable, name)[:] = value
-        state.node.x[:] = place
-        return evaluate(cables, state)[0][node]
-
-    for j in range(3):
-        moved = np.zeros_like(x)
-        moved[node, j] = delta
-        K[:, j] = -(force_at(x + moved) - force_at(x - moved)) / (2 * delta)
-    force_at(x)
-    return np.linalg.eigvalsh(0.5 * (K + K.T))[-1]
 
 
 def test_stiffness_bounds_the_true_one():

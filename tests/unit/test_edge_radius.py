@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from blunt_tools import box
-from met_cable import AREA, evaluated, met_cable
+from met_cable import AREA, evaluated, met_cable, numeric_stiffness
 from naive import cable
 from naive import edge as naive
 from shellcut import read_tool
@@ -158,3 +158,29 @@ def test_friction_on_the_arc_is_that_of_a_stretching_belt():
     # It sets in over the sliding way: a hundredth of a millimetre of some tenths.
     assert friction == pytest.approx(expected, rel=0.03)
     assert friction / (law.fracture_energy * AREA) > 0.02
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.4])
+@pytest.mark.parametrize("radius", [0.02, 0.1, 0.25])
+def test_stiffness_bounds_the_true_one(radius, mu):
+    law = CohesiveLaw(joint="slip", joint_friction=mu) if mu else LAW
+    r, off = radius, (1.0 + 1e-3) * radius  # just outside the round: the pull turns the fastest
+    close = [
+        ((-r, -off, 0.2), (-r, off, 0.1)),
+        ((-0.6 * r, -0.95 * r, 0.0), (-1.4 * r, 1.05 * r, 0.3)),
+        ((-3.0 * r, -off, 0.0), (-2.0 * r, off, -0.2)),
+    ]
+    for ends in (*PLACES, *close):
+        cables, state = one_cable(radius, law=law)
+        pose = Pose.at_origin()
+        evaluated(cables, state, *ends)
+        if mu:  # the edge goes on and drags the cable along, up to what friction can hold
+            pose = Pose(np.eye(3), np.array([0.01, 0.003, 0.0]))
+            cables.add_forces(state, pose)
+        nodes, bound = cables.stiffness(state, {})
+        assert nodes.tolist() == [0, 1]
+        for node, limit in zip(nodes, bound, strict=True):
+            true = numeric_stiffness(cables, state, node, pose)
+            assert true <= limit * (1 + 1e-4)
+            if not mu:  # of friction no more is known than that it adds up
+                assert true > 0.6 * limit

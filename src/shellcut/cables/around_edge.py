@@ -19,8 +19,13 @@ that of t. An end that contact lets into the round, D < r, counts as if it lay o
 its place, t = 0, and the gradient of r beta is r/D across the radius. The turn of the cable on this
 side is beta, or for the straight line atan2(z, y).
 
-So r enters only rho, the direction of the pull and the turn, and with r = 0 these are those of the
-sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction a steady cut
+As the end moves across the cable, the pull turns about the tangent point, by 1/t a mm; in the round
+by r/D². With the lean along e this *arm*, t, D²/r or rho of a straight line, is min(arm · l/rho, l);
+in the round, where the gradient g = r/D of rho is above 1, no change of it is above rho/(arm l) +
+g²/l.
+
+So r enters only rho, the arm, the direction of the pull and the turn, and with r = 0 these are
+those of the sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction a steady cut
 needs G h whatever r is, as all of the work is still done against the law.
 """
 
@@ -35,6 +40,10 @@ from shellcut.numerics.vec3 import combine, dot, load, norm, sub
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, VECTOR, CuttingEdges, segment_part
 
 
+IN_THE_ROUND = 1.0 + 1e-9
+"""Square of the pull from which on an end is in the round: 1 outside, to round-off."""
+
+
 class Branch(NamedTuple):
     """One side of a cable, seen along the edge."""
 
@@ -44,6 +53,8 @@ class Branch(NamedTuple):
     """Length of the path, seen along the edge [mm]."""
     turn: float
     """By which the edge turns it [rad]."""
+    arm: float
+    """Over which the end turns the pull, seen along the edge [mm]."""
     pull: tuple[float, float]
     """Minus the gradient of rho, parts along b and k of the segment; 1 long outside the round."""
 
@@ -68,12 +79,14 @@ def branch_to(end: Vec3, side: float, k: int, edges: CuttingEdges) -> Branch:
         beta = around - (acos(r / from_axis) if from_axis > r else 0.0)
         if beta > 0.0:
             t = sqrt(max(from_axis * from_axis - r * r, 0.0))
-            pull = r / from_axis if 0.0 < from_axis < r else 1.0
+            inside = 0.0 < from_axis < r
+            pull = r / from_axis if inside else 1.0
             pulls = -side * pull * cos(beta), -pull * sin(beta)
-            return Branch(place, r * beta + t, beta, pulls)
+            arm = from_axis / pull if inside else t
+            return Branch(place, r * beta + t, beta, arm, pulls)
     rho = sqrt(y * y + z * z)
     inverse = 1.0 / rho if rho > 0.0 else 0.0
-    return Branch(place, rho, atan2(z, y), (-side * y * inverse, -z * inverse))
+    return Branch(place, rho, atan2(z, y), rho, (-side * y * inverse, -z * inverse))
 
 
 class Bend(NamedTuple):
@@ -96,8 +109,8 @@ def bend_at(minus: Vec3, plus: Vec3, k: int, edges: CuttingEdges) -> Bend:
 
 
 @always_inline
-def path_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float, Vec3]:
-    """Return the length of a branch to a joint at s along segment k, and minus its gradient.
+def path_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[float, float, Vec3]:
+    """Return length and arm of a branch to a joint at s along segment k, and minus its gradient.
 
     The gradient is that by the place of the end, in the body frame; its length is 1 but for an end
     in the round.
@@ -113,7 +126,12 @@ def path_to(branch: Branch, s: float, k: int, edges: CuttingEdges) -> tuple[floa
         segment_part(segments, k, BACK),
     )
     lean = along / length if length > 0.0 else 0.0
-    return length, combine(1.0, across, lean / norm(v), v)
+    steep = branch.pull[0] ** 2 + branch.pull[1] ** 2
+    if steep > IN_THE_ROUND:
+        arm = 1.0 / (share / branch.arm + steep / length)
+    else:
+        arm = min(branch.arm / share, length) if share > 0.0 else length
+    return length, arm, combine(1.0, across, lean / norm(v), v)
 
 
 class CablePath(NamedTuple):
@@ -122,6 +140,9 @@ class CablePath(NamedTuple):
     minus: float
     plus: float
     """Lengths of the branches [mm]."""
+    arm_minus: float
+    arm_plus: float
+    """Over which the ends turn the pull [mm]."""
     pull_minus: Vec3
     pull_plus: Vec3
     """At the ends, along the branches, in the body frame; 1 long but for ends in the round."""
@@ -141,7 +162,7 @@ def path_around(
     bend = bend_at(minus, plus, k, edges)
     v = segment_part(edges.segments, k, VECTOR)
     s = dot(sub(load(joint_body, c), segment_part(edges.segments, k, START)), v) / norm(v)
-    length_minus, pull_minus = path_to(bend.minus, s, k, edges)
-    length_plus, pull_plus = path_to(bend.plus, s, k, edges)
+    length_minus, arm_minus, pull_minus = path_to(bend.minus, s, k, edges)
+    length_plus, arm_plus, pull_plus = path_to(bend.plus, s, k, edges)
     arc = max(bend.minus.turn, 0.0) + max(bend.plus.turn, 0.0)
-    return CablePath(length_minus, length_plus, pull_minus, pull_plus, arc)
+    return CablePath(length_minus, length_plus, arm_minus, arm_plus, pull_minus, pull_plus, arc)

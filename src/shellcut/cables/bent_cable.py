@@ -60,17 +60,19 @@ def bend(
         at_minus, at_plus = to_body(minus, pose), to_body(plus, pose)
         path = path_around(c, at_minus, at_plus, edges, cables.edge, cables.joint_body)
         ell_minus, ell_plus, arc = path.minus, path.plus, path.arc
+        arm_minus, arm_plus = path.arm_minus, path.arm_plus
         along_minus, along_plus = turn(path.pull_minus, pose), turn(path.pull_plus, pose)
         moved_minus = sub(minus, to_space(at_minus, before))
         moved_plus = sub(plus, to_space(at_plus, before))
     else:
         to_minus, to_plus = sub(p, minus), sub(p, plus)
         ell_minus, ell_plus = norm(to_minus), norm(to_plus)
+        arm_minus, arm_plus = ell_minus, ell_plus
         along_minus, along_plus = scale(1.0 / ell_minus, to_minus), scale(1.0 / ell_plus, to_plus)
-    # A shorter branch keeps its direction: the bound sigma A / ell on the stiffness stays finite.
-    if ell_minus >= tables.law[SHORT_BRANCH]:
+    # A shorter one keeps its direction: the bound sigma A / arm on the stiffness stays finite.
+    if arm_minus >= tables.law[SHORT_BRANCH]:
         store(cables.branch[c], 0, along_minus)
-    if ell_plus >= tables.law[SHORT_BRANCH]:
+    if arm_plus >= tables.law[SHORT_BRANCH]:
         store(cables.branch[c], 1, along_plus)
     kappa = eta = 0.0
     slack: float = cables.joint_slack[c]

@@ -1,7 +1,7 @@
 """The stiffness of cables on the nodes, for the bound on the step.
 
 Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch sigma A
-/ ell^±; along it both have the slope of unloading times A. A straight cable acts on two nodes that
+over its length, or over its arm where the edge is round (:mod:`.around_edge`); along it both have the slope of unloading times A. A straight cable acts on two nodes that
 may move against each other: twice that on each. Friction around the edge adds sigma A kappa / stick
 along the branches. A cable between nodes is no stiffer than shares of it at them
 (:func:`shellcut.fracture.flank_points.hand_on_stiffness`).
@@ -13,22 +13,26 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.jit import kernel
-from shellcut.numerics.vec3 import combine, load, norm, sub
+from shellcut.numerics.jit import inline, kernel
+from shellcut.numerics.vec3 import dot, load, norm, sub
 from shellcut.state import BROKEN, JOINTED
+from shellcut.tool.pose import Pose, to_body
 
-from .cable_tables import CableTables
+from .around_edge import IN_THE_ROUND, path_around
+from .cable_tables import CableTables, at_end
 from .cohesive_law import ONSET, SHORT_BRANCH, envelope, unloading_slope
 
 
 @kernel
-def cable_stiffness(tables: CableTables, grip: float, node: Ints, stiffness: Floats) -> int:
+def cable_stiffness(
+    tables: CableTables, pose: Pose, grip: float, node: Ints, stiffness: Floats
+) -> int:
     """Write the ends of the cables that carry, and bounds of stiffness [N/mm].
 
-    grip : largest kappa.  node, stiffness : (4 n_cable,), written; returns how many.
+    pose : of the tool.  grip : largest eta + kappa.  node, stiffness : (4 n_cable,), written; returns how many.
     """
     tables = borrowed(tables)
-    cables, x, short_branch = tables.cables, tables.nodes.x, tables.law[SHORT_BRANCH]
+    cables, short_branch = tables.cables, tables.law[SHORT_BRANCH]
     n = 0
     for c in range(tables.n_cable):
         if cables.status[c] == BROKEN:
@@ -42,13 +46,17 @@ def cable_stiffness(tables: CableTables, grip: float, node: Ints, stiffness: Flo
             # The literal form is rigid at birth: no step is safe for its very first instant.
             slope = 0.0
         pull = area * cables.traction[c] * (1.0 + grip)
+        arms = _arms(c, pose, tables) if jointed else (0.0, 0.0)
         for side in range(2):
             here, there, share = cables.ends[c, side], cables.far[c, side], cables.share[c]
             if jointed:
-                end = combine(1.0 - share, load(x, here), share, load(x, there))
-                branch = max(norm(sub(load(cables.joint, c), end)), short_branch)
-                # Across the branch pull over length, along it the unloading; friction adds to that.
-                k = max(pull / branch, slope) + pull * grip / tables.joint.stick
+                arm = max(arms[side], short_branch)
+                along = load(cables.branch[c], side)
+                steep = dot(along, along)
+                # Across the branch pull over arm, along it the unloading. In the round these
+                # directions are not normal to each other. Friction adds to that.
+                k = max(pull / arm, slope) if steep < IN_THE_ROUND else pull / arm + steep * slope
+                k += pull * grip / tables.joint.stick
             else:
                 # Both nodes may move against each other: twice the stiffness on each.
                 length = max(cables.opening[c], 0.0) + max(tables.law[ONSET], short_branch)
@@ -61,3 +69,16 @@ def cable_stiffness(tables: CableTables, grip: float, node: Ints, stiffness: Flo
                 node[n], stiffness[n] = there, share * k
                 n += 1
     return n
+
+
+@inline
+def _arms(c: int, pose: Pose, tables: CableTables) -> tuple[float, float]:
+    """Return over which lengths the ends of a cable with a joint turn its pull [mm]."""
+    cables, edges = tables.cables, tables.edges
+    minus, plus = at_end(c, 0, tables.nodes.x, cables), at_end(c, 1, tables.nodes.x, cables)
+    if edges.radius > 0.0:
+        in_body = to_body(minus, pose), to_body(plus, pose)
+        path = path_around(c, *in_body, edges, cables.edge, cables.joint_body)
+        return path.arm_minus, path.arm_plus
+    joint = load(cables.joint, c)
+    return norm(sub(joint, minus)), norm(sub(joint, plus))

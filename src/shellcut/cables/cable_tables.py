@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from shellcut.arrays import Floats, Ints, SmallInts
+from shellcut.arrays import Floats, Ints, SmallInts, Vec3
+from shellcut.numerics.jit import always_inline
+from shellcut.numerics.vec3 import combine, load
 from shellcut.state import KernelNodes
 from shellcut.tool.cutting_edge import CuttingEdges
 
@@ -67,3 +69,10 @@ class CableTables(NamedTuple):
     edges: CuttingEdges
     nodes: KernelNodes
     cables: CableRows
+
+
+@always_inline
+def at_end(c: int, end: int, rows: Floats, cables: CableRows) -> Vec3:
+    """Return rows : (n_node, 3) at an end of cable c, between the nodes that carry it."""
+    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
+    return combine(1.0 - share, load(rows, here), share, load(rows, there))

@@ -72,7 +72,7 @@ from shellcut.tool.touch import Booking, Touch, react
 
 from .bent_cable import Joint, bend, work_at_edge
 from .cable_stiffness import cable_stiffness
-from .cable_tables import CableRows, CableTables
+from .cable_tables import CableRows, CableTables, at_end
 from .cohesive_law import (
     AREA,
     ONSET,
@@ -141,7 +141,7 @@ class CableSet(ForceTerm):
         self._laws = law.parameters(), self.at_edge.parameters()
         self._edges = CuttingEdges.of(tool)
         self._joint = joint_law(law, tool)
-        # Of a cable that is bent back on itself.
+        # kappa, and eta + kappa of a round edge, of a cable that is bent back on itself.
         belt = np.pi * self._joint.friction
         self._grip = math.tanh(0.5 * belt)
         if belt and self._edges.radius:
@@ -232,7 +232,8 @@ class CableSet(ForceTerm):
         """Return the nodes that cables act on and a bound of their stiffness on each [N/mm]."""
         room = 4 * state.n_cable
         node, stiffness = np.empty(room, np.int64), np.empty(room)
-        count = self._stiffness(self._tables.of(state), self._grip, node, stiffness)
+        pose = self._pose or Pose.at_origin()  # without one no cable has a joint
+        count = self._stiffness(self._tables.of(state), pose, self._grip, node, stiffness)
         return node[:count], stiffness[:count]
 
 
@@ -253,13 +254,6 @@ def _work(ell: float, ell_max: float, law: Floats) -> float:
     """Return the work done on a cable by a law, per area [N/mm]."""
     stored, dissipated = energies(ell, ell_max, law)
     return stored + dissipated
-
-
-@always_inline
-def at_end(c: int, end: int, rows: Floats, cables: CableRows) -> Vec3:
-    """Return rows : (n_node, 3) at an end of cable c, between the nodes that carry it."""
-    here, there, share = cables.ends[c, end], cables.far[c, end], cables.share[c]
-    return combine(1.0 - share, load(rows, here), share, load(rows, there))
 
 
 @always_inline
