@@ -34,7 +34,7 @@ ROOT = Path(__file__).resolve().parents[1]
 ID = "place", "column", "line", "was", "is"  # what tells mutants apart in the record
 SMALLEST = 1e-6
 WHOLE = "tests/unit/test_friction.py"  # passes in the copy, or no mutant is tried
-CPU_SECONDS = 3600  # what runs longer is in an endless loop
+CPU_SECONDS = 900  # what runs longer is in an endless loop
 KINDS = "unit", "verification", "regression"  # folders of tests
 EXAMPLES = ["tests/unit/test_doctests.py"]
 ROOMS = {
@@ -227,19 +227,15 @@ def reaches(file, other):
 
 
 def tests_for(name):
-    """Return the tests of a file: of its name, of its room, and all that name it or what it has."""
-    path = Path(name)
+    """Return the tests of a file: of its name, of its room, and all that import it."""
+    file, stem = ROOT / name, Path(name).stem
     room = next(one for one in ROOMS if name.startswith(f"src/shellcut/{one}"))
     every = [p for kind in KINDS for p in sorted((ROOT / "tests" / kind).glob("test_*.py"))]
-    tree = ast.parse((ROOT / name).read_text())
-    has = [node.name for node in tree.body if isinstance(node, ast.ClassDef | ast.FunctionDef)]
-    words = [path.stem, *(one for one in has if not one.startswith("_"))]
-    word = re.compile(rf"\b({'|'.join(words)})\b")
-    naming = [p.relative_to(ROOT).as_posix() for p in every if word.search(p.read_text())]
-    named = [p.relative_to(ROOT).as_posix() for p in every if p.stem == f"test_{path.stem}"]
+    named = [p.relative_to(ROOT).as_posix() for p in every if p.stem == f"test_{stem}"]
+    importing = [p.relative_to(ROOT).as_posix() for p in every if file in imports_of(p)]
     of_room = [f"tests/unit/test_{one}.py" for one in ROOMS[room].split()]
-    both = [one for one in of_room if one in naming]
-    return [*dict.fromkeys([*named, of_room[0], *both, *of_room, *naming, *EXAMPLES])]
+    both = [one for one in of_room if one in importing]
+    return [*dict.fromkeys([*named, of_room[0], *both, *of_room, *importing, *EXAMPLES])]
 
 
 class Copy:

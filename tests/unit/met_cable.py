@@ -38,8 +38,8 @@ def evaluated(cables, state, minus, plus, pose=None):
 def numeric_stiffness(cables, state, node, pose=None):
     """Return the largest eigenvalue of the derivative of one node's force by its own position."""
     x, delta, K = state.node.x.copy(), 1e-8, np.zeros((3, 3))
-    names = "opening_max status branch edge joint_body joint grip arc_grip transport".split()
-    saved = {name: getattr(state.cable, name).copy() for name in names}
+    names = ("opening_max", "status", "branch", "edge", "joint_body", "joint", "grip", "arc_grip")
+    saved = {name: getattr(state.cable, name).copy() for name in (*names, "transport")}
 
     def force_at(place):
         for name, value in saved.items():

@@ -20,13 +20,13 @@ its place, t = 0, and the gradient of r beta is r/D across the radius. The turn 
 side is beta, or for the straight line atan2(z, y).
 
 As the end moves across the cable, the pull turns about the tangent point, by 1/t a mm; in the round
-by r/D². With the lean along e this *arm*, t, D²/r or rho of a straight line, is min(arm · l/rho, l);
-in the round, where the gradient g = r/D of rho is above 1, no change of it is above rho/(arm l) +
-g²/l.
+by r/D². With the lean along e this *arm*, t, D²/r or rho of a straight line, is min(arm · l/rho,
+l). In the round the gradient of rho is g = r/D > 1, and the pull changes by no more than
+rho/(arm l) + g²/l.
 
 So r enters only rho, the arm, the direction of the pull and the turn, and with r = 0 these are
-those of the sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction a steady cut
-needs G h whatever r is, as all of the work is still done against the law.
+those of the sharp edge. Both branches carry sigma(l^- + l^+ - slack) A, as there: without friction
+a steady cut needs G h whatever r is, as all of the work is still done against the law.
 """
 
 from __future__ import annotations
@@ -38,7 +38,6 @@ from shellcut.arrays import Floats, Ints, Vec3
 from shellcut.numerics.jit import always_inline
 from shellcut.numerics.vec3 import combine, dot, load, norm, sub
 from shellcut.tool.cutting_edge import BACK, NORMAL, START, VECTOR, CuttingEdges, segment_part
-
 
 IN_THE_ROUND = 1.0 + 1e-9
 """Square of the pull from which on an end is in the round: 1 outside, to round-off."""

@@ -1,9 +1,10 @@
 """The stiffness of cables on the nodes, for the bound on the step.
 
 Across its direction a straight cable has the stiffness sigma A / (ell + delta_0), a branch sigma A
-over its length, or over its arm where the edge is round (:mod:`.around_edge`); along it both have the slope of unloading times A. A straight cable acts on two nodes that
-may move against each other: twice that on each. Friction around the edge adds sigma A kappa / stick
-along the branches. A cable between nodes is no stiffer than shares of it at them
+over its length, or over its arm where the edge is round (:mod:`.around_edge`); along it both have
+the slope of unloading times A. A straight cable acts on two nodes that may move against each other:
+twice that on each. Friction around the edge adds sigma A kappa / stick along the branches. A cable
+between nodes is no stiffer than shares of it at them
 (:func:`shellcut.fracture.flank_points.hand_on_stiffness`).
 """
 
@@ -29,7 +30,8 @@ def cable_stiffness(
 ) -> int:
     """Write the ends of the cables that carry, and bounds of stiffness [N/mm].
 
-    pose : of the tool.  grip : largest eta + kappa.  node, stiffness : (4 n_cable,), written; returns how many.
+    pose : of the tool.  grip : largest eta + kappa.  node, stiffness : (4 n_cable,), written;
+    returns how many.
     """
     tables = borrowed(tables)
     cables, short_branch = tables.cables, tables.law[SHORT_BRANCH]
