@@ -107,6 +107,50 @@ def test_a_tip_pierces_at_its_force_at_any_place_in_any_direction(path, angle, k
     assert min(record.measure for record in first.values()) >= 1.0
 
 
+@pytest.mark.parametrize(("gap", "n"), [(0.6, 10), (1.0, 10), (0.6, 16)])
+@pytest.mark.parametrize(("offset", "angle"), [(0.03, 0.0), (0.2, 0.0), (0.2, 70.0)])
+def test_blades_side_by_side_pierce_at_their_force_each(gap, n, offset, angle):
+    # Less than two sides apart, in neighbouring quads or almost.
+    turn = np.radians(angle)
+    across, centre = 0.5 * gap * np.array([-np.sin(turn), np.cos(turn)]), np.array([6.013, offset])
+    line = vee(56.0, 0.8)
+    teeth = [
+        tooth(line, height=2.0, half_thickness=0.15, turn_deg=angle, at=at)
+        for at in (centre - across, centre + across)
+    ]
+    run = sc.Simulation(
+        rectangle(12.0, 8.0, n_x=3 * n // 2, n_y=n),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped(name) for name in ("left", "right", "bottom", "top")],
+        tool=tool_of(*teeth).translated((0.0, 0.0, 0.02)),
+        motion=sc.StraightMotion((0.0, 0.0, -1.0), speed=1500.0, ramp=2e-4),
+        law=sc.CohesiveLaw(),
+    )
+    run.run(6e-4)
+    pierced = {r.edge: r.measure for r in run.state.split_log if r.kind == "puncture"}
+    # The second may come down on the crack of the first, or where this has made the film slack.
+    assert all(1.0 <= measure < 1.4 for measure in pierced.values())
+    assert len(pierced) == 2 or run.cracks.idle_edge(run.state)[1] < 1.4
+
+
+@pytest.mark.parametrize(("y", "doubted"), [(0.55, True), (0.35, False), (0.95, False)])
+def test_two_edges_in_one_quad_are_doubted(y, doubted):
+    line = vee(56.0, 0.8)
+    teeth = [
+        tooth(line, height=2.0, half_thickness=0.04, at=at) for at in ((6.013, 0.25), (6.013, y))
+    ]
+    run = sc.Simulation(
+        rectangle(12.0, 8.0, n_x=15, n_y=10),
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped(name) for name in ("left", "right", "bottom", "top")],
+        tool=tool_of(*teeth).translated((0.0, 0.0, 0.02)),
+        motion=sc.StraightMotion((0.0, 0.0, -1.0), speed=1500.0, ramp=2e-4),
+        law=sc.CohesiveLaw(),
+    )
+    found = [str(one) for one in sc.check_model(run, 1.5e-3).doubts]
+    assert any("cut twice" in text for text in found) == doubted
+
+
 def test_a_run_resumed_while_tips_press_pierces_as_the_whole_run(tmp_path):
     # The force that pierces is a mean over the time of impacts: it is kept, too.
     whole = pressed(30.0, "free", vee(30.0, 0.8))

@@ -16,7 +16,7 @@ from shellcut.fracture.entered_film import EnteredFilm, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
 from shellcut.fracture.rows_ahead import table_of
-from shellcut.fracture.tip import Tip
+from shellcut.fracture.tip import DrivenTips, Tip
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut, TrialSums
 from shellcut.mesh.structured import rectangle
@@ -291,11 +291,12 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     """The blade goes through film that nothing cuts and whose nodes wander."""
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, n, path = sim.state, sim.state.node, Rules(sim).path
-    edges, none = CuttingEdges.of(sim.tool), np.zeros((0, 3))
+    edges = CuttingEdges.of(sim.tool)
+    none = DrivenTips(np.zeros((0, 3)), np.zeros(0, np.int64))
 
     def fresh():
-        chain = sim.tool.edge_chain
-        return EnteredFilm(s, path.film, sim.shell, edges, chain, everywhere=True)
+        chain, blade = sim.tool.edge_chain, np.arange(sim.tool.n_chain)
+        return EnteredFilm(s, path.film, sim.shell, edges, chain, blade, everywhere=True)
 
     kept = fresh()
     dt = 2.6e-4 / 450

@@ -25,6 +25,7 @@ FIRST_YIELD += [plausible.SMALLEST_R, plausible.LARGEST_R]
         ("The first yield stress is", FIRST_YIELD),
         ("The cutting edge is slower", [plausible.OF_WAVE]),
         ('With `path = "edges"`', [path.OFF_ROW]),
+        ("No two cutting edges", [path.ONE_LINE]),
         ("Quads under the path have", [path.BENDS]),
     ],
 )
@@ -38,6 +39,7 @@ def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
         ("`imbalance_rel`", [verdict.IMBALANCE_LIMIT]),
         ("`kinetic_rel`", [verdict.KINETIC_LIMIT, verdict.QUASI_STATIC_LIMIT]),
         ("`piercing_delay_rel`", [verdict.DELAY_LIMIT]),
+        ("`idle_edge_load_rel`", [0.01 * verdict.IDLE_LIMIT]),
         ("`damping_Nmm`", [verdict.DAMPING_LIMIT]),
         ("`contact_Nmm`", [verdict.CONTACT_LIMIT, verdict.GIVEN_LIMIT]),
         ("`overshoot_rel`", [verdict.OVERSHOOT_LIMIT]),

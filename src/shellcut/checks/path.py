@@ -6,6 +6,7 @@ is off where it is not kept.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
@@ -31,6 +32,8 @@ OFF_ROW = 0.1
 right angle within six edges deviate by as much."""
 NEAR_HELD = 0.5
 """Supported nodes closer than this to the path, in edge lengths, stop the blade."""
+ONE_LINE = 0.2
+"""Paths that are closer than this in a quad, in edge lengths, are the same cut."""
 SHARE = 0.05
 """Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
@@ -71,6 +74,7 @@ def check_path(
     if along_edges:
         yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
+    yield from _in_one_quad(sweep)
     h = rows.spacing if along_edges else float(np.median(sweep.edge_length))
     if law.opening_u < RUNGS * h:
         yield doubt(
@@ -254,4 +258,28 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
             f"{counted(len(held), 'supported node')} on it, the first at "
             f"{point_text(mesh.nodes[held[0]], 4)} mm",
             "support other nodes, or move the tool",
+        )
+
+
+def _in_one_quad(sweep: Sweep) -> Iterator[Finding]:
+    quads, owner = np.unique(np.stack([sweep.quad, sweep.chain]), axis=1)
+    worst = 1.0
+    for quad in quads[1:][quads[1:] == quads[:-1]].tolist():
+        side = float(np.sqrt(sweep.mesh.quad_areas()[quad]))
+        places = [
+            sweep.place[(sweep.quad == quad) & (sweep.chain == chain)]
+            for chain in owner[quads == quad].tolist()
+        ]
+        for k, (one, other) in enumerate(itertools.pairwise(places)):
+            gap = float(scipy.spatial.distance.cdist(one, other).min())
+            if ONE_LINE * side < gap and gap / side < worst:
+                worst, apart, long = gap / side, gap, side
+                pair, where = owner[quads == quad][k : k + 2].tolist(), one[0]
+    if worst < 1.0:
+        yield doubt(
+            "no quad may be cut twice, because the second edge then passes through it without "
+            "a force",
+            f"{_chains(pair)} {apart:.3g} mm apart in a quad with sides of {long:.3g} mm near "
+            f"{point_text(where, 4)} mm",
+            f"use quads with sides of at most {0.5 * apart:.2g} mm there",
         )

@@ -127,6 +127,7 @@ class Cracks:
         """Whether cutting edges drive cracks and begin cuts; if not, all cracks are tears."""
         if tool is not None and motion is not None and self._blade_cuts:
             drive = BladeDrive(CuttingEdges.of(tool), motion, moved)
+            self._chain = tool.edge_chain
             self._watch = TipWatch(self._path, self._trial, drive, self.stress)
             limits = PierceLimits(puncture, law.strength, fracture.puncture_force)
             self._pierce = Pierce(state, self.growth, drive, shell, limits, points, tool, motion)
@@ -159,7 +160,7 @@ class Cracks:
         # The watch has looked at all tips. First the tips that no blade drives may tear, then cuts
         # may begin where an edge drives none.
         self._advance_torn(state, self._watch.may_tear(state.step // self._check_every))
-        self._pierce.begin_cuts(state, pose, self._watch.driven_places(), work)
+        self._pierce.begin_cuts(state, pose, self._watch.driven(), work)
 
     def _may_run(self, state: State, tip: Tip) -> bool:
         """Whether to look at a tip between two checks."""
@@ -233,7 +234,8 @@ class Cracks:
             if segment := watch.segment(i):
                 measure = float(watch.weighed.measure[i])
                 kind = "criterion" if measure >= DUE else "blade"
-                self.growth.along(state, tip, segment, kind, measure, watch.weighed.force[i])
+                force, edge = watch.weighed.force[i], int(self._chain[watch.edge_of(i)])
+                self.growth.along(state, tip, segment, kind, measure, force, edge)
                 advanced = True
         return advanced
 
@@ -250,6 +252,10 @@ class Cracks:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
         at = [self._film.at_tip(tip, rows) for tip in self.growth.tips]
         return np.array(at).reshape(-1, rows.shape[1])
+
+    def idle_edge(self, state: State) -> tuple[int, float]:
+        """Return :meth:`.Pierce.idle_edge`, -1 if no edge cuts."""
+        return self._pierce.idle_edge(state) if self._blade_cuts else (-1, 0.0)
 
     def saved(self) -> dict[str, Any]:
         """Return what has been cut, the tips, what is known of the edges, and a count."""

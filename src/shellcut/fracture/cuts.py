@@ -78,12 +78,14 @@ class Cuts:
         """Whether no quad has been cut."""
         return not self.topology.cut_rows()
 
-    def along(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
+    def along(
+        self, state: State, segment: Segment, kind: str, measure: float, edge: int = -1
+    ) -> Cut:
         """Cut a row along a segment, or break a side or a part of it.
 
         Nodes and flank points are to be brought up to date then (:meth:`renew`).
 
-        kind, measure : as in :class:`shellcut.state.SplitRecord`; a notch has no cables.
+        kind, measure, edge : as in :class:`shellcut.state.SplitRecord`; a notch has no cables.
         """
         topology, shell, nodes = self.topology, self._shell, state.quads[segment.row]
         X = state.node.X[nodes]
@@ -113,6 +115,7 @@ class Cuts:
                 measure=measure,
                 force_jump=0.0,
                 rows=tuple(rows),
+                edge=edge,
             )
         )
         state.revision += 1

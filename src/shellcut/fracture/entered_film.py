@@ -34,7 +34,7 @@ from .open_edges import boundary_edges
 from .quad_polygon import AWAY
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
-from .tip import Begun, Segment
+from .tip import Begun, DrivenTips, Segment
 
 NEAR_A_TIP = 2.0
 """A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives
@@ -65,6 +65,8 @@ class EnteredFilm(Kept):
         Of the tool.
     chain : ndarray, shape (n_edge,)
         Which edge each segment belongs to.
+    blade : ndarray, shape (n_chain,)
+        Which blade each edge belongs to, see :mod:`.own_cuts`.
     everywhere : bool
         Whether no point of the tool presses on the film, whose face then gives no support.
     """
@@ -78,10 +80,12 @@ class EnteredFilm(Kept):
         shell: MITC4Shell,
         edges: CuttingEdges,
         chain: Ints,
+        blade: Ints,
         *,
         everywhere: bool,
     ) -> None:
         self._area, self._chain, self._everywhere = shell.area, chain, everywhere
+        self._blade = blade
         # From the first node of a row to the others, twice as far where the film is stretched.
         corners = state.node.X[state.quads]
         reach = 2.0 * float(norm(corners[:, 1:] - corners[:, :1]).max())
@@ -102,10 +106,10 @@ class EnteredFilm(Kept):
         self._addresses = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
         self._find = BoundOnce(_entered)
 
-    def entered_rows(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+    def entered_rows(self, state: State, pose: Pose, tips: DrivenTips) -> list[Begun]:
         """Return where edges enter whole rows that their mid-planes would part.
 
-        tips : (n, 3), where the cracks end that an edge drives [mm].
+        tips : where the cracks end that an edge drives.
         """
         self._near.renew(state, pose)
         if self._listed != self._near.n_search:
@@ -121,10 +125,12 @@ class EnteredFilm(Kept):
             self._rows,
             self._first,
             self._area,
-            tips,
+            tips.x,
+            self._blade[self._chain[tips.edge]],
             pose,
             edges,
             self._chain,
+            self._blade,
             self._low,
             self._high,
             quad,
@@ -231,9 +237,11 @@ def _entered(
     first: Ints,
     area: Floats,
     tips: Floats,
+    of_tip: Ints,
     pose: Pose,
     edges: CuttingEdges,
     chain: Ints,
+    blade: Ints,
     low: Floats,
     high: Floats,
     quad: RowsAhead,
@@ -244,8 +252,9 @@ def _entered(
 ) -> int:
     """Write the rows that edges enter, their segments and the places in them; return how many.
 
-    whole, first : (n,), rows and their first nodes.  chain : (n_edge,), of each segment.  low,
-    high : (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
+    whole, first : (n,), rows and their first nodes.  of_tip : (n_tip,), blade that drives each tip.
+    chain : (n_edge,), of each segment.  blade, low, high : (n_chain,), (n_chain, 3), of the chains,
+    and boxes around them.  quad, chord : tables of one row and two rays,
     written.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
     """
     pose, edges = borrowed(pose), borrowed(edges)
@@ -253,15 +262,17 @@ def _entered(
     segments = edges.segments
     n_found = 0
     for i in range(whole.shape[0]):
-        e, here, far = whole[i], load(x, first[i]), True
-        for tip in range(tips.shape[0]):
-            gap = sub(load(tips, tip), here)
-            far = far and dot(gap, gap) > NEAR_A_TIP**2 * area[e]
-        if not far:
-            continue
+        e, here = whole[i], load(x, first[i])
         corner = to_body(here, pose)
         for c in range(low.shape[0]):
             if not in_box(corner, low, high, c):
+                continue
+            far = True
+            for tip in range(tips.shape[0]):
+                gap = sub(load(tips, tip), here)
+                own = of_tip[tip] == blade[c]
+                far = far and not (own and dot(gap, gap) <= NEAR_A_TIP**2 * area[e])
+            if not far:
                 continue
             second = to_body(load(x, quads[e, 1]), pose)
             third = to_body(load(x, quads[e, 2]), pose)

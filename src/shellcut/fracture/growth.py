@@ -51,31 +51,39 @@ class Growth:
         kind: str,
         measure: float,
         force: Floats | None = None,
+        edge: int = -1,
     ) -> None:
         """Run a crack on along a segment.
 
-        force : F_c of a crack along a side, which its first cables take over.
+        force : F_c of a crack along a side, which its first cables take over.  edge : chain of the
+        cutting edge that drives it.
         """
         n_cable, forces = state.n_cable, [] if force is None else [force.copy()]
         if self._exactly:
             forces.append(-self._sums.at_start(state, segment.reversed()))
         self.tips.remove(tip)
-        cut = self.cut(state, segment, kind, measure)
+        cut = self.cut(state, segment, kind, measure, edge)
         self.end_at(state, segment, cut, 1, tip.heading)
         self.cuts.renew(state)
         if segment.along_side:
             self.cuts.hand_over(state, cut, forces, n_cable, exactly=self._exactly)
 
-    def cut(self, state: State, segment: Segment, kind: str, measure: float) -> Cut:
+    def cut(self, state: State, segment: Segment, kind: str, measure: float, edge: int = -1) -> Cut:
         """Cut along a segment; tips that lie on it keep what is behind them."""
-        cut = self.cuts.along(state, segment, kind, measure)
+        cut = self.cuts.along(state, segment, kind, measure, edge)
         for tip in self.tips:
             if segment.row in tip.behind and not segment.along_side:
                 tip.behind = (*tip.behind, cut.rows[1])
         return cut
 
     def through(
-        self, state: State, back: Segment, ahead: Segment, kind: str, measure: float = 0.0
+        self,
+        state: State,
+        back: Segment,
+        ahead: Segment,
+        kind: str,
+        measure: float = 0.0,
+        edge: int = -1,
     ) -> Cut | None:
         """Cut a whole quad from where one ray from within leaves it to where the other does.
 
@@ -91,7 +99,7 @@ class Growth:
             return None
         else:
             chord = Segment(row, start, stop, side, end, along_side=True)
-        return self.cut(state, chord, kind, measure)
+        return self.cut(state, chord, kind, measure, edge)
 
     def end_at(self, state: State, segment: Segment, cut: Cut, end: int, ran_along: Floats) -> None:
         """Put a tip where the crack continues from an end of what has been cut."""

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from shellcut.arrays import Floats
+import numpy as np
+
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.kept import Kept
-from shellcut.state import State
+from shellcut.state import PUNCTURE, State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
@@ -24,10 +25,11 @@ from .blade_chords import BladeChords
 from .blade_drive import BladeDrive
 from .entered_film import EnteredFilm
 from .growth import Growth
+from .own_cuts import OwnCuts
 from .pressed_film import PressedFilm
 from .puncture import PierceLimits
 from .quad_polygon import WHOLE
-from .tip import Begun
+from .tip import Begun, DrivenTips
 
 
 class Pierce(Kept):
@@ -66,16 +68,17 @@ class Pierce(Kept):
     ) -> None:
         self._growth, self._chain = growth, tool.edge_chain
         film, edges = growth.path.film, drive.edges
+        self._own = own = OwnCuts(tool, limits.puncture.length, shell.mesh_quads)
         self._chords = BladeChords(growth.path, drive)
         self._entered = EnteredFilm(
-            state, film, shell, edges, tool.edge_chain, everywhere=points is None
+            state, film, shell, edges, tool.edge_chain, own.of_chain, everywhere=points is None
         )
         self._pressed: PressedFilm | None = None
         if points is not None:
-            self._pressed = PressedFilm(film, shell, edges, limits, points, tool, motion)
+            self._pressed = PressedFilm(film, shell, edges, limits, points, tool, motion, own)
 
-    def begin_cuts(self, state: State, pose: Pose, driven: Floats, work: float) -> None:
-        """Cut the film that an edge enters away from the tips that it drives.
+    def begin_cuts(self, state: State, pose: Pose, driven: DrivenTips, work: float) -> None:
+        """Cut the film that an edge enters away from the tips that its blade drives.
 
         Parameters
         ----------
@@ -83,8 +86,8 @@ class Pierce(Kept):
             Present positions; cut.
         pose : Pose
             Of the tool.
-        driven : ndarray, shape (n, 3)
-            Where the cracks end that an edge drives [mm].
+        driven : DrivenTips
+            Where the cracks end that an edge drives.
         work : float
             Of the tool so far [N·mm].
         """
@@ -94,25 +97,36 @@ class Pierce(Kept):
             every = [*self._pressed.pierced_rows(state, pose, driven), *entered]
         for begun in every:
             whole = self._growth.cuts.topology.polygon(begun.row) == WHOLE
-            # The edge runs between the flanks of its own cut, which has halved nodes or quads.
-            if whole and not state.node.halved[state.quads[begun.row]].any():
+            if whole and not self._own.at_own_flank(state, begun.row, begun.segment):
                 self._cut(state, begun, work)
+
+    def idle_edge(self, state: State) -> tuple[int, float]:
+        """Return which edge that has cut nothing has pressed the hardest, and its load over F_p.
+
+        -1 if all edges have cut.
+        """
+        if self._pressed is None:
+            return -1, 0.0
+        loads = self._pressed.largest_loads()
+        loads[[record.edge for record in state.split_log if record.edge >= 0]] = -1.0
+        edge = int(np.argmax(loads))
+        return (edge, float(loads[edge])) if loads[edge] >= 0.0 else (-1, 0.0)
 
     def _cut(self, state: State, begun: Begun, work: float) -> None:
         """Cut a quad along the first chord that does so, and note how whole film was pierced."""
         growth, pierced = self._growth, begun.pierced
-        kind, measure = ("blade", 0.0) if pierced is None else ("puncture", pierced.measure)
+        kind, measure = ("blade", 0.0) if pierced is None else (PUNCTURE, pierced.measure)
         for back, ahead in self._chords.chords(state, begun, growth.tips):
             # Unsupported film is cut only from where the edge has entered.
             if pierced is None and not self._entered.leads_out(state, back):
                 continue
-            cut = growth.through(state, back, ahead, kind, measure)
+            edge = int(self._chain[begun.segment])
+            cut = growth.through(state, back, ahead, kind, measure, edge)
             if cut is None:
                 continue
             if pierced is not None:
                 state.split_log[-1] = replace(
                     state.split_log[-1],
-                    edge=int(self._chain[begun.segment]),
                     force=pierced.force,
                     delay=pierced.delay,
                     depth=pierced.depth,

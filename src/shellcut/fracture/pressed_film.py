@@ -30,9 +30,10 @@ from shellcut.tool.tool import Tool
 
 from .cut_film import CutFilm
 from .entered_film import NEAR_A_TIP
+from .own_cuts import OwnCuts
 from .pressing_tips import PressingTips
 from .puncture import PierceLimits, PlaceLimits
-from .tip import Begun, Pierced
+from .tip import Begun, DrivenTips, Pierced
 
 # Cosine of the angle between forces that press the film in the same direction.
 _SAME_DIRECTION = 0.5
@@ -58,6 +59,8 @@ class PressedFilm(Kept):
         By which the tool presses on the film.
     tool, motion : Tool, Motion
         Whose cutting edges these are, and how they move.
+    own : OwnCuts
+        Which edges are one blade.
     """
 
     kept_names = ("_means",)
@@ -71,16 +74,18 @@ class PressedFilm(Kept):
         points: PointContact,
         tool: Tool,
         motion: Motion,
+        own: OwnCuts,
     ) -> None:
+        self._own = own
         self._film, self._shell, self._edges, self._points = film, shell, edges, points
         self._chain, self._limits = tool.edge_chain, limits
         self._places: PlaceLimits = limits.at_points(points.points, tool)
         self._means = PressingTips(points, motion, self._places.force, limits.puncture.impedance)
 
-    def pierced_rows(self, state: State, pose: Pose, tips: Floats) -> list[Begun]:
+    def pierced_rows(self, state: State, pose: Pose, tips: DrivenTips) -> list[Begun]:
         """Return where a tip or an edge on the face of the film has reached what this carries.
 
-        tips : (n, 3), where the cracks end that an edge drives [mm].
+        tips : where the cracks end that an edge drives.
         """
         points, places, loads = self._points, self._places, dict[int, float]()
         if touches := points.touch.sums[TOUCHING] > 0.0:
@@ -100,9 +105,9 @@ class PressedFilm(Kept):
         return found
 
     def _begun(
-        self, state: State, pose: Pose, tips: Floats, i: int, of_edge: float, on_tip: float
+        self, state: State, pose: Pose, tips: DrivenTips, i: int, of_edge: float, on_tip: float
     ) -> Begun | None:
-        """Return where contact point i pierces whole film away from the tips, if it does.
+        """Return where contact point i pierces whole film away from its tips, if it does.
 
         of_edge : force on the whole edge [N].  on_tip : all that presses there, of a tip [N].
         """
@@ -114,7 +119,8 @@ class PressedFilm(Kept):
             return None
         row, segment = rows[0], int(self._points.points.segment[k])
         here, size = product(weights, state.node.x[nodes]), self._film.size(row)
-        if (norm(tips - here) < NEAR_A_TIP * size).any():
+        own = tips.x[self._own.of_segment[tips.edge] == self._own.of_segment[segment]]
+        if (norm(own - here) < NEAR_A_TIP * size).any():
             return None
         measure = delay = impact = 0.0
         if self._places.force[k] < np.inf:
@@ -131,6 +137,14 @@ class PressedFilm(Kept):
         place = 2.0 * (w1 + w2) - 1.0, 2.0 * (w2 + w3) - 1.0
         depth = self._film.depth_at(state, row, place)
         return Begun(row, place, segment, Pierced(float(measure), of_edge - impact, delay, depth))
+
+    def largest_loads(self) -> Floats:
+        """Return the largest force on tips and arcs of each cutting edge so far, over F_p."""
+        of_edge = np.zeros(int(self._chain.max()) + 1)
+        has_edge = self._points.points.segment >= 0
+        chain = self._chain[self._points.points.segment[has_edge]]
+        np.maximum.at(of_edge, chain, self._means.largest()[has_edge])
+        return of_edge
 
     def not_on_face(self, state: State, pose: Pose, begun: Sequence[Begun]) -> list[Begun]:
         """Return those of some places near which no tip of their edge is still on the face.

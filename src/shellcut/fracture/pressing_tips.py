@@ -36,8 +36,9 @@ from shellcut.tool.pose import Pose
 IMPACT = 0.1
 """Share of F_p that the impact of a node may count as."""
 
-# Of a tip: mean force [N], largest T [s], time for which it has pressed [s].
-_FORCE, _DELAY, _PRESSED = range(3)
+# Of a tip: mean force [N], largest T [s], time for which it has pressed [s]; and the largest mean
+# force so far [N].
+_FORCE, _DELAY, _PRESSED, _LARGEST = range(4)
 
 # Share of F_p below which a tip that has left the film is forgotten.
 _FORGOTTEN = 1e-3
@@ -65,7 +66,7 @@ class PressingTips(Kept):
     ) -> None:
         self._points, self._motion, self._limits = points, motion, limits
         self._impedance = impedance
-        self._of_point = np.zeros((len(limits), 3))
+        self._of_point = np.zeros((len(limits), 4))
         self._step = 0
 
     def follow(self, state: State, pose: Pose, loads: Mapping[int, float]) -> None:
@@ -77,7 +78,7 @@ class PressingTips(Kept):
         """
         steps, self._step = state.step - self._step, state.step
         of = self._of_point
-        if not loads and not of.any():
+        if not loads and not of[:, :_LARGEST].any():
             return
         rows, pressed = np.array(list(loads), int), np.array(list(loads.values()))
         tips, force = self._points.point_of_sheet()[rows], np.zeros(len(of))
@@ -87,15 +88,20 @@ class PressingTips(Kept):
         dt = steps * state.dt
         of[pressing, _FORCE] += (dt / (of[:, _DELAY] + dt) * (force - of[:, _FORCE]))[pressing]
         of[pressing, _PRESSED] += dt
-        of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits)] = 0.0
+        of[:, _LARGEST] = np.maximum(of[:, _LARGEST], of[:, _FORCE])
+        of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits), :_LARGEST] = 0.0
 
     def mean(self, point: int) -> float:
         """Return the mean force on a point of the tool [N]."""
         return float(self._of_point[point, _FORCE])
 
+    def largest(self) -> Floats:
+        """Return the largest mean force on each point of the tool so far, over its F_p."""
+        return np.asarray(self._of_point[:, _LARGEST] / self._limits)
+
     def delay(self, point: int) -> float:
         """Return T over the time for which a point of the tool has pressed."""
-        _, delay, pressed = self._of_point[point].tolist()
+        _, delay, pressed, _ = self._of_point[point].tolist()
         return float(delay / pressed) if pressed else 0.0
 
     def _delay(self, state: State, pose: Pose, rows: Ints) -> Floats:

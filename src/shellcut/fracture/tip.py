@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, unit
+from shellcut.arrays import Floats, Ints, norm, unit
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.state import State
 
@@ -143,6 +143,15 @@ class Place(NamedTuple):
     """Local edge length [mm]."""
     T: Floats
     """Unit director in the reference film, shape (3,)."""
+
+
+class DrivenTips(NamedTuple):
+    """Tips that cutting edges drive."""
+
+    x: Floats
+    """Where they are [mm], shape (n, 3)."""
+    edge: Ints
+    """Segment of the edge that drives each, shape (n,)."""
 
 
 class Pierced(NamedTuple):

@@ -25,12 +25,14 @@ from .crack_path import CrackPath
 from .ray_ahead import AHEAD, Aimed, leave
 from .rows_ahead import RowsAhead, Tips, tips_of
 from .side_tears import LargestStress
-from .tip import DUE, Segment, Tip
+from .tip import DUE, DrivenTips, Segment, Tip
 from .trial_cut import Pair, TrialCut, TrialSums, Weighed
 
 NEAR = 0.8
 """Of the force of a tear straight ahead: from there on it may be due in another direction, in which
 the force is up to 1.2 times as large."""
+
+_NONE = np.zeros(0, np.int64)
 
 _SELDOM = 5
 """In every such check the direction of a tip is searched that is near, but not due straight
@@ -83,9 +85,16 @@ class TipWatch:
             return tips
         return [tip for tip in tips if self._path.film.rows_ahead(tip)]
 
-    def driven_places(self) -> Floats:
-        """Return where tips were that an edge drives, at the last check [mm], shape (n, 3)."""
-        return self.x[self._drive.driven.edge_of >= 0] if len(self.x) else self.x
+    def driven(self) -> DrivenTips:
+        """Return the tips that an edge drives, at the last check."""
+        if not len(self.x):
+            return DrivenTips(self.x, _NONE)
+        edge_of = self._drive.driven.edge_of
+        return DrivenTips(self.x[edge_of >= 0], edge_of[edge_of >= 0])
+
+    def edge_of(self, i: int) -> int:
+        """Return the segment of an edge that drove a tip at the last check, -1 if none."""
+        return int(self._drive.driven.edge_of[i])
 
     def may_tear(self, nth: int | None = None) -> list[Tip]:
         """Return the tips to search in the n-th check: no edge drives them, and they may be due.

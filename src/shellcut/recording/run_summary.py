@@ -176,6 +176,8 @@ def cut_evidence(sim: Simulation, sweep: Sweep | None) -> dict[str, float]:
     figures: dict[str, float] = {"edge_length_mm": float(np.median(sides))}
     if sim.law is None:
         return figures
+    if sim.cracks is not None and (idle := sim.cracks.idle_edge(s))[0] >= 0:
+        figures["idle_edge"], figures["idle_edge_load_rel"] = idle[0] + 1, idle[1]
     splits = [record for record in s.splits if record.kind != TEAR]
     tears = [(record.reference, record.end) for record in s.splits if record.kind == TEAR]
     if sweep is not None and len(sweep.place) and tears:

@@ -6,12 +6,13 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from shellcut.arguments import listed
 from shellcut.arrays import Floats
+from shellcut.state import PUNCTURE, SplitRecord
 from shellcut.unit import after, shown
 from shellcut.unit import with_unit as number_with_unit
 
@@ -27,9 +28,6 @@ from .energy_account import (
 )
 from .steady_window import half_width_of, steady_figures
 from .verdict import distrusted_figures
-
-if TYPE_CHECKING:
-    from shellcut.state import SplitRecord
 
 # The end of a name gives the unit; longer ones first.
 _UNITS = {
@@ -110,7 +108,14 @@ _ELSEWHERE = {
     *(f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)),
     *("overshoot_rel", "n_split_off_path", "off_path_mm"),
     *(growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)),
-    *("piercing_delay_rel", "crack_lead_mm", "share_done", "options"),
+    *(
+        "idle_edge",
+        "idle_edge_load_rel",
+        "piercing_delay_rel",
+        "crack_lead_mm",
+        "share_done",
+        "options",
+    ),
     *("film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"),
     *(f"loose_{axis}_mm" for axis in "xyz"),
     *(f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")),
@@ -275,7 +280,7 @@ def _piercing(splits: Iterable[SplitRecord]) -> dict[str, float]:
     """
     first: dict[int, SplitRecord] = {}
     for record in splits:
-        if record.edge >= 0:
+        if record.kind == PUNCTURE:
             first.setdefault(record.edge + 1, record)
     figures = (("force", "N"), ("depth", "mm"), ("work", "Nmm"))
     told = {

@@ -42,6 +42,7 @@ OVERSHOOT_LIMIT = 0.02  # of the distance over which the edge drags its cables
 ASKED_LIMIT = 0.85  # of the dissipated work, to cables, film and friction
 STORED_LIMIT, STORED_NOTE = 0.10, 0.03
 OTHER_LIMIT = 0.10  # of the steady window's work, to neither cables, film nor friction
+IDLE_LIMIT = 1.2  # of F_p, with which an edge may press that has cut nothing
 DELAY_LIMIT = 0.05  # of the time for which a tip presses before it pierces
 INERTIA_NOTE = 100.0  # scale of the rotary inertia
 
@@ -245,6 +246,15 @@ def _speed(figures: Figures) -> Iterator[Line]:
             f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
             _percent(most),
             remedy,
+        )
+    load = figures.get("idle_edge_load_rel", 0.0)
+    if load > IDLE_LIMIT:
+        yield Line(
+            "doubt",
+            f"Cutting edge {figures['idle_edge']:.0f} has cut nothing, though it pressed with "
+            f"{_beside(load, IDLE_LIMIT)} times the force that pierces the film (limit "
+            f"{IDLE_LIMIT:g}): an edge pierces no quad that another one has cut. "
+            "Force and work are wrong." + _remedies(figures, "finer"),
         )
     if "piercing_delay_rel" in figures:
         delay = figures["piercing_delay_rel"]

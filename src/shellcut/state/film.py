@@ -45,9 +45,10 @@ class SplitRecord:
     rows: tuple[int, ...] = ()
     """Quads or copies to the right and left of it, of a split those of each side; -1 for none."""
     edge: int = -1
-    """Chain of the cutting edge that has pierced whole film, -1 for none."""
+    """Chain of the cutting edge that made it, -1 for none."""
     force: float = 0.0
-    """With which the film pressed on it, on a tip without the impacts of nodes [N]."""
+    """With which the film pressed on an edge that pierced it, on a tip without the impacts of nodes
+    [N]."""
     depth: float = 0.0
     """How far it had pressed the film in there [mm]."""
     work: float = 0.0

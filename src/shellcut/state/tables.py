@@ -46,6 +46,9 @@ NOT_MET = -1
 NOTCH = "notch"
 """Kind of the cuts that made a notch before the run."""
 
+PUNCTURE = "puncture"
+"""Kind of a cut that begins where a tool pierces the face of whole film."""
+
 TEAR = "tear"
 """Kind of the cuts by a crack that no blade drives."""
 

@@ -1,0 +1,96 @@
+"""Where each blade has cut, beside which it begins no other cut.
+
+A blade that cuts runs between the flanks of its cut. Its edges may also lie on the film there, or
+in it, because quads and flanks are coarser than film is: near a tip that the blade drives, and in
+whole quads at its flanks. That begins no cut. Flanks that no blade has cut, of tears and notches,
+count as its own. The cuts of other blades do not: each blade pierces or enters the film itself,
+however close to the others.
+
+A *blade* is all edges that the film feels as one: with a point in common, or of which one ends
+nearer to the other than the length L over which the film bends (:mod:`.puncture`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, norm
+from shellcut.numerics.connected_parts import connected_parts
+from shellcut.state import State
+from shellcut.tool.tool import Tool
+
+_NOBODY = -1
+
+
+class OwnCuts:
+    """Knows which blade has cut the quads of a mesh.
+
+    Parameters
+    ----------
+    tool : Tool
+        Whose edges cut.
+    bending_length : float
+        L of the film [mm].
+    mesh_quads : ndarray, shape (n_quad, 4)
+        Of the film.
+    """
+
+    def __init__(self, tool: Tool, bending_length: float, mesh_quads: Ints) -> None:
+        self.of_chain = blades(tool, bending_length)
+        """Blade of each cutting edge, shape (n_chain,)."""
+        self.of_segment = self.of_chain[tool.edge_chain]
+        """Blade of each segment of them, shape (n_edge,)."""
+        self._mesh_quads = mesh_quads
+        self._n_known = 0
+        self._corners: dict[int, set[int]] = {_NOBODY: set()}
+
+    def at_own_flank(self, state: State, row: int, segment: int) -> bool:
+        """Return whether a row has a node at a flank that a blade or nobody has cut.
+
+        segment : of the blade.
+        """
+        nodes = state.quads[row]
+        halved = state.node.origin[nodes[state.node.halved[nodes]]].tolist()
+        if not halved:
+            return False
+        self._follow(state)
+        own = self._corners.get(int(self.of_segment[segment]), set())
+        return not (own | self._corners[_NOBODY]).isdisjoint(halved)
+
+    def _follow(self, state: State) -> None:
+        """Note the corners of the quads that have been cut since the last call."""
+        if self._n_known > len(state.split_log):  # a checkpoint has been loaded
+            self._n_known, self._corners = 0, {_NOBODY: set()}
+        for record in state.split_log[self._n_known :]:
+            rows = [row for row in record.rows if row >= 0]
+            blade = int(self.of_chain[record.edge]) if record.edge >= 0 else _NOBODY
+            corners = self._mesh_quads[state.quad.parent[rows]]
+            self._corners.setdefault(blade, set()).update(corners.ravel().tolist())
+        self._n_known = len(state.split_log)
+
+
+def blades(tool: Tool, length: float) -> Ints:
+    """Return the blade of each cutting edge, shape (n_chain,), numbered from 0.
+
+    length : below which the film feels two edges as one [mm].
+    """
+    chain, ends = tool.edge_chain, tool.vertices[tool.edges]
+    first, last = (np.unique(part, return_index=True)[1] for part in (chain, chain[::-1]))
+    tips = np.concatenate([ends[first, 0], ends[len(chain) - 1 - last, 1]])
+    of_tip = np.tile(np.arange(tool.n_chain), 2)
+    at_vertex = np.repeat(chain, 2), tool.n_chain + tool.edges.ravel()
+    close = [np.flatnonzero(_gaps(tip, ends) < length) for tip in tips]
+    near = (
+        np.repeat(of_tip, [len(found) for found in close]),
+        chain[np.concatenate(close)],
+    )
+    a, b = (np.concatenate(pair) for pair in zip(at_vertex, near, strict=True))
+    return connected_parts(a, b, tool.n_chain + tool.n_vertex)[: tool.n_chain]
+
+
+def _gaps(point: Floats, segments: Floats) -> Floats:
+    """Return the distances of a point from segments : (n, 2, 3)."""
+    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    from_start = point - start
+    share = (from_start * along).sum(axis=1) / (along * along).sum(axis=1)
+    return np.asarray(norm(from_start - np.clip(share, 0.0, 1.0)[:, None] * along))
