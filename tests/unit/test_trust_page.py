@@ -39,6 +39,7 @@ def test_conditions_before_the_run_are_those_of_the_page(begins, limits):
         ("`imbalance_rel`", [verdict.IMBALANCE_LIMIT]),
         ("`kinetic_rel`", [verdict.KINETIC_LIMIT, verdict.QUASI_STATIC_LIMIT]),
         ("`piercing_delay_rel`", [verdict.DELAY_LIMIT]),
+        ("`overstress_rel`", [0.01 * verdict.STRESS_LIMIT]),
         ("`idle_edge_load_rel`", [0.01 * verdict.IDLE_LIMIT]),
         ("`damping_Nmm`", [verdict.DAMPING_LIMIT]),
         ("`contact_Nmm`", [verdict.CONTACT_LIMIT, verdict.GIVEN_LIMIT]),

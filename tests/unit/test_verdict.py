@@ -65,6 +65,8 @@ UNTOUCHED |= {"tool_half_thickness_mm": 0.2, "n_cable_created": 0, "initial_Nmm"
             "film_edges = true or a finer film",
         ),
         (FELT | {"unfelt_film_edge_mm": 0.098}, "note", "Use a finer film"),
+        ({"overstress_rel": 1.5}, "doubt", "would have torn where it has no notch"),
+        ({"overstress_rel": 1.1}, None, "would have torn"),
         ({"idle_edge": 2, "idle_edge_load_rel": 2.8}, "doubt", "Cutting edge 2 has cut nothing"),
         ({"idle_edge": 2, "idle_edge_load_rel": 1.1}, None, "has cut nothing"),
         # Of what the steady window became.

@@ -79,8 +79,8 @@ def _arms(c: int, pose: Pose, tables: CableTables) -> tuple[float, float]:
     cables, edges = tables.cables, tables.edges
     minus, plus = at_end(c, 0, tables.nodes.x, cables), at_end(c, 1, tables.nodes.x, cables)
     if edges.radius > 0.0:
-        in_body = to_body(minus, pose), to_body(plus, pose)
-        path = path_around(c, *in_body, edges, cables.edge, cables.joint_body)
+        minus, plus = to_body(minus, pose), to_body(plus, pose)
+        path = path_around(c, minus, plus, edges, cables.edge, cables.joint_body)
         return path.arm_minus, path.arm_plus
     joint = load(cables.joint, c)
     return norm(sub(joint, minus)), norm(sub(joint, plus))

@@ -248,6 +248,11 @@ class Cracks:
         """Return the nodes where cracks along sides end."""
         return self._film.nodes_of(state, self.growth.tips)
 
+    def nodes_at_tips(self, state: State) -> Ints:
+        """Return the nodes of the quads ahead of all tips."""
+        rows = [row for tip in self.growth.tips for row, _ in self._film.rows_at_tip(tip)]
+        return np.unique(state.quads[rows]).astype(np.int64)
+
     def at_tips(self, rows: Floats) -> Floats:
         """Return rows : (n_node, k) of the mesh's nodes at all tips, shape (n_tip, k)."""
         at = [self._film.at_tip(tip, rows) for tip in self.growth.tips]

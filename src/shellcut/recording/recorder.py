@@ -40,6 +40,7 @@ from shellcut.view.progress import Progress
 from .checkpoint import CheckpointError, load_checkpoint, save_checkpoint
 from .cut_front import CutFront
 from .frame_capture import frame_of
+from .overstress import Overstress
 from .resistance import resistance_of
 from .run_files import RunFiles
 from .run_options import RunArguments, RunOptions
@@ -157,7 +158,7 @@ class Recorder:
             (first, unit), coordinate = self.resistance.columns[0], self.resistance.coordinate_name
             units = {coordinate: self.resistance.coordinate_unit, first: unit, "imbalance": "%"}
             self._progress = Progress(name, figure_units=units, log=chosen.log)
-        self._unfelt = UnfeltPenetration(sim)
+        self._unfelt, self._overstress = UnfeltPenetration(sim), Overstress(sim)
         self._checkpoint_every = (
             np.inf if chosen.checkpoint_every is None else chosen.checkpoint_every
         )
@@ -222,6 +223,7 @@ class Recorder:
             schedule.history, schedule.row_time = self._files.history.written, now
         if schedule.look_due(now):
             schedule.note_unfelt(self._unfelt.now())
+            schedule.note_stress(self._overstress.now())
         frame_due = schedule.frame_due(now)
         picture_due = schedule.picture_due is not None and schedule.picture_due(now)
         if frame_due or picture_due:
@@ -425,6 +427,8 @@ class Recorder:
             unfelt=Unfelt(self._schedule.largest_unfelt, self._schedule.largest_unfelt_edge),
         )
         figures |= cut_evidence(self._sim, self._check.sweep)
+        if self._sim.law is not None:
+            figures["overstress_rel"] = self._schedule.lasting_stress
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)
         if not self._sim.between_steps:
             figures["broke_off"] = 1

@@ -16,8 +16,8 @@ from .run_options import RunOptions
 from .unfelt_penetration import Unfelt
 
 _N_LOOK = 100
-"""Measurements of the penetration between nodes over a run; independent of the output intervals,
-because the verdict uses the result."""
+"""Measurements of the penetration between nodes and of the film's stress over a run; independent
+of the output intervals, because the verdict uses the results."""
 
 
 @dataclass
@@ -29,7 +29,7 @@ class Schedule:
     picture_due: Trigger | None
     """None if no pictures are wanted."""
     look_due: Trigger
-    """Of the measurement of penetration between nodes."""
+    """Of the measurements of penetration between nodes and of stress."""
     history: Written = field(default_factory=Written)
     """What the file of the rows held after the last one."""
     row_time: float = -np.inf
@@ -45,6 +45,10 @@ class Schedule:
     """Its largest value so far [mm]."""
     largest_unfelt_edge: float = 0.0
     """That of edges of the film in the tool so far [mm]."""
+    stress: float = 0.0
+    """Stress of film far from cracks over its strength, when last measured."""
+    lasting_stress: float = 0.0
+    """Its largest value so far that two measurements have reached in succession."""
     wall: float = 0.0
     """Wall time up to the checkpoint [s]."""
 
@@ -75,6 +79,11 @@ class Schedule:
         self.unfelt = found.quads
         self.largest_unfelt = max(self.largest_unfelt, found.quads)
         self.largest_unfelt_edge = max(self.largest_unfelt_edge, found.film_edges)
+
+    def note_stress(self, stress: float) -> None:
+        """Take down the stress that has just been measured, over the strength."""
+        self.lasting_stress = max(self.lasting_stress, min(stress, self.stress))
+        self.stress = stress
 
     def saved(self) -> dict[str, Any]:
         """Return the schedule as numbers and dictionaries of numbers, by name."""

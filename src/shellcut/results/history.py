@@ -43,8 +43,8 @@ _OF_SPLITS: dict[str, tuple[str, type]] = {
     "depth": ("mm", float),
     "work": ("N*mm", float),
 }
-"""Unit and type of every column of the splits; x, y, z in space, X, Y, Z in the reference. The last
-four are those of a puncture: cutting edge from 1, 0 for none, and
+"""Unit and type of every column of the splits; x, y, z in space, X, Y, Z in the reference. Cutting
+edges count from 1, 0 is none. The last three are those of a puncture:
 :class:`~shellcut.state.SplitRecord`."""
 
 

@@ -42,6 +42,7 @@ OVERSHOOT_LIMIT = 0.02  # of the distance over which the edge drags its cables
 ASKED_LIMIT = 0.85  # of the dissipated work, to cables, film and friction
 STORED_LIMIT, STORED_NOTE = 0.10, 0.03
 OTHER_LIMIT = 0.10  # of the steady window's work, to neither cables, film nor friction
+STRESS_LIMIT = 1.2  # of the strength, in film where no crack can begin
 IDLE_LIMIT = 1.2  # of F_p, with which an edge may press that has cut nothing
 DELAY_LIMIT = 0.05  # of the time for which a tip presses before it pierces
 INERTIA_NOTE = 100.0  # scale of the rotary inertia
@@ -246,6 +247,15 @@ def _speed(figures: Figures) -> Iterator[Line]:
             f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
             _percent(most),
             remedy,
+        )
+    stress = figures.get("overstress_rel", 0.0)
+    if stress > STRESS_LIMIT:
+        yield Line(
+            "doubt",
+            "The film would have torn where it has no notch: its stress stayed at "
+            f"{_beside(stress, STRESS_LIMIT)} times the strength, at more than two quads from "
+            f"cracks, supports and tool (limit {STRESS_LIMIT:g}). The run begins no crack there, "
+            "and what follows is not what the film would do. Cut a notch where it tears.",
         )
     load = figures.get("idle_edge_load_rel", 0.0)
     if load > IDLE_LIMIT:
