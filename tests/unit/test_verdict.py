@@ -41,6 +41,8 @@ UNTOUCHED |= {"tool_half_thickness_mm": 0.2, "n_cable_created": 0, "initial_Nmm"
         (PUT_IN | {"imbalance_rel": 0.02}, "doubt", "the error is at most 2 %"),
         ({"kinetic_rel": 0.05}, "good", "reaches 5 %"),
         (PUT_IN | {"kinetic_rel": 0.08}, "doubt", "reaches 8 %"),
+        (PUT_IN | {"kinetic_rel": 0.8, "load_work_Nmm": 101.0}, "doubt", "Loads move or tear the"),
+        (PUT_IN | {"kinetic_rel": 0.8, "load_work_Nmm": 99.0}, "doubt", "The motion is too fast"),
         (FREE, "doubt", "The film, or a piece of it, is not supported, so that its inertia"),
         (PUT_IN | {"damping_Nmm": 12.0}, "doubt", "springs open: 12 %"),
         (PUT_IN | {"contact_Nmm": -6.0}, "doubt", "gave the film 6 %"),

@@ -17,6 +17,7 @@ from shellcut.loads.adhesion import ZONE_SIDES
 
 from .energy_account import (
     ASKED_FOR,
+    PUT_IN,
     STORED,
     account,
     damping_of_cut,
@@ -232,6 +233,10 @@ def _speed(figures: Figures) -> Iterator[Line]:
         kinetic = figures["kinetic_rel"]
         most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
         bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
+        tool, supports, loads = (figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN[:3])
+        if abs(loads) > abs(tool + supports):
+            bad = "Loads move or tear the film so fast that its inertia"
+            remedy = " Use loads that grow more slowly, if they do not tear the film by themselves."
         if figures.get("options", {}).get("unheld"):
             bad, remedy = "The film, or a piece of it, is not supported, so that its inertia", ""
         yield _judged(
