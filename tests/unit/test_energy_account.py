@@ -13,8 +13,9 @@ from shellcut.results.energy_account import (
     account,
     dissipated,
     energy_figures,
+    energy_put_in,
     energy_shares,
-    largest_shares,
+    relative_figures,
     trusted_rows,
 )
 from shellcut.simulation.ledger import Ledger
@@ -96,7 +97,7 @@ def test_the_figures_are_the_whole_account_or_none():
     ],
 )
 def test_rows_are_trusted_once_a_tenth_of_the_work_has_been_done(work, trusted):
-    rows = trusted_rows({"tool_work": np.array(work)})
+    rows = trusted_rows(energy_put_in({"time": np.arange(len(work)), "tool_work": np.array(work)}))
     assert np.flatnonzero(rows).tolist() == trusted
 
 
@@ -108,13 +109,14 @@ def test_the_largest_shares_are_of_trusted_rows_and_without_sign():
         "kinetic_rotation": [9.0, 0.1, 0.1],
     }
     history = {name: np.array(column) for name, column in columns.items()}
-    shares = largest_shares(history, np.array([False, True, True]))
-    assert shares == pytest.approx({"imbalance_rel": 0.02, "kinetic_rel": 0.06}, rel=1e-15)
-    assert largest_shares(history, np.zeros(3, bool)) == {}
+    assert relative_figures(history) == pytest.approx(
+        {"imbalance_rel": 0.02, "kinetic_rel": 0.06, "cut_work_Nmm": 20.0}, rel=1e-15
+    )
+    assert relative_figures(history | {"tool_work": np.zeros(3)}) == {}
 
 
-def test_relative_is_to_the_tool_or_else_to_all():
-    assert Ledger(tool_work=-4.0, load_work=10.0).relative(1.0) == 0.25
-    assert Ledger(load_work=8.0).relative(1.0) == 0.125
+def test_relative_is_to_all_that_was_put_in_or_taken_out():
+    assert Ledger(tool_work=-4.0, load_work=10.0, initial=2.0).relative(1.0) == 0.0625
+    assert Ledger(tool_work=50.0, support_work=-42.0).relative(1.0) == 0.125
     assert Ledger().relative(1.0) == 0.0
     assert Ledger(tool_work=2.0).relative(-1.0) == pytest.approx(-0.5)

@@ -175,7 +175,7 @@ def broken(folder):
 
 def without_column(folder):
     path = folder / "history.csv"
-    path.write_text(path.read_text().replace("imbalance_rel [-]", "other [-]", 1))
+    path.write_text(path.read_text().replace("imbalance [N*mm]", "other [N*mm]", 1))
 
 
 def half_a_row(folder):

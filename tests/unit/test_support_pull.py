@@ -43,7 +43,8 @@ def test_its_summary_judges_the_work_of_the_supports(torn):
     assert said["force_plateau_N"] == pytest.approx(G_h, rel=0.1)
     assert said["window_from_mm"] > 4.0
     lines = [line["text"] for line in said["verdict"]]
-    assert any("of the supports' work" in line for line in lines)
+    assert said["cut_work_Nmm"] == said["support_work_Nmm"]
+    assert any("of the work of the cut" in line for line in lines)
     assert not any("tool" in line for line in lines)
 
 

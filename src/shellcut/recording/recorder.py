@@ -28,7 +28,7 @@ from shellcut.files.run_folder import CHECKPOINT, SPLITS, SUMMARY, result_file
 from shellcut.files.whole_file import write_text
 from shellcut.frame import Frame
 from shellcut.numerics.trigger import Trigger
-from shellcut.results.energy_account import KINETIC_IN_FILM
+from shellcut.results.energy_account import KINETIC_IN_FILM, TOOL_WORK_IN_FILM
 from shellcut.results.history import write_splits
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import CUT_LENGTH, PROCESS_ZONE, TO_SPARE, UNCUT_AHEAD
@@ -329,6 +329,7 @@ class Recorder:
         yield "dt", "s", s.dt
         if sim.film_motion is not None:
             yield KINETIC_IN_FILM, "N*mm", sim.kinetic_in_film
+            yield TOOL_WORK_IN_FILM, "N*mm", sim.work_in_film
         if sim.pace.share is not None:
             yield "pace", "-", sim.pace.now
         yield "cables_created", "-", s.n_cable

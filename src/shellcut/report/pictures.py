@@ -14,7 +14,7 @@ from shellcut.arrays import Bools
 from shellcut.card import image
 from shellcut.files import run_folder
 from shellcut.files.distribution import pip_install
-from shellcut.results.energy_account import account, trusted_rows
+from shellcut.results.energy_account import account, energy_put_in, trusted_rows
 from shellcut.results.error_bars import COLOURS, PARTS, SIZE, WORDS, ErrorBars
 from shellcut.results.run_curves import energy_diagram, imbalance_diagram, resistance_diagram
 from shellcut.results.summary_figures import said_of, window_of
@@ -185,7 +185,7 @@ def energy(run: Gathered) -> str:
     ]
     at_end = table(rows, ("at the end", "energy", "of all put in")) if rows else ""
     ledger = at_end + _chart(energy_diagram(h, run.results.units), "energies and the work put in")
-    trusted = trusted_rows(h)
+    trusted = trusted_rows(energy_put_in(h))
     if trusted.sum() < 2:
         return ledger
     missed = imbalance_diagram(h, run.results.units)

@@ -55,27 +55,30 @@ ASKED_FOR = (
 )
 """What the work of a cut goes into by the laws of film, cables, glue and friction."""
 
+_DAMPING = Part("damping", "damping", ("damping_stiffness", "damping_mass", "damping_kinetic"))
+_KINETIC = Part("kinetic", "kinetic energy", ("kinetic_translation", "kinetic_rotation"))
 TAKEN_UP = (
     *ASKED_FOR,
-    Part("damping", "damping", ("damping_stiffness", "damping_mass", "damping_kinetic")),
+    _DAMPING,
     STORED,
-    Part("kinetic", "kinetic energy", ("kinetic_translation", "kinetic_rotation")),
+    _KINETIC,
     Part("contact", "contact", ("contact_work",)),
     Part("self_contact", "contact of the film with itself", ("self_contact_work",)),
 )
 """What the work becomes."""
 
-DRIVERS = ("tool_work", "support_work")
-"""Works of tool and supports, which together move tool and film to each other."""
-
-KINETIC_IN_FILM = "kinetic_in_film"
-"""Column of the kinetic energy as seen from a film that its supports move [N·mm]."""
+KINETIC_IN_FILM, TOOL_WORK_IN_FILM = "kinetic_in_film", "tool_work_in_film"
+"""Columns of kinetic energy and work of the tool as seen from a film that its supports move
+[N·mm]."""
 
 IMBALANCE = Part("imbalance", "imbalance", ("imbalance",))
 
-# Imbalance and kinetic energy are compared with the driving work once it reaches this part of its
+# Imbalance and kinetic energy are compared with an energy once it reaches this part of its
 # maximum: at first touch there is almost no work to compare with.
 _COMPARED_FROM = 0.1
+
+# Of the energy put in: a tool that does less work rests.
+_ROUND_OFF = 1e-9
 
 # Smallest share that is shown.
 _SHOWN = 5e-4
@@ -179,49 +182,97 @@ def dissipated(figures: Mapping[str, Any]) -> tuple[list[Share], float]:
     """Return what went where the laws of the run let it go, and all such shares together.
 
     The shares are of the dissipated work: besides these, damping and what contact has lost,
-    whatever their signs. Energy that is stored or kinetic is not in it. Cables count with all their
-    work: what they hold is dissipated when they break.
+    whatever their signs. Energy that is stored or kinetic is not in it, nor damping before the cut.
+    Cables count with all their work: what they hold is dissipated when they break.
     """
     asked = [(part.words, figures.get(f"{part.name}_Nmm", 0.0)) for part in ASKED_FOR]
-    lost = ("damping", "contact_lost", "self_contact_lost")
-    whole = sum(energy for _, energy in asked)
-    whole += sum(abs(figures.get(f"{name}_Nmm", 0.0)) for name in lost)
+    lost = (figures.get(f"{name}_lost_Nmm", 0.0) for name in ("contact", "self_contact"))
+    whole = sum(energy for _, energy in asked) + sum(map(abs, (damping_of_cut(figures), *lost)))
     if not whole > 0.0:
         return [], 0.0
     shares = [Share(words, energy, energy / whole) for words, energy in asked if energy]
     return shares, sum(share.share for share in shares)
 
 
-def driving_work(history: Mapping[str, Floats]) -> Floats:
-    """Return the work of tool and supports together, shape (n_row,)."""
-    return history[DRIVERS[0]] + history.get(DRIVERS[1], 0.0)
+def damping_of_cut(figures: Mapping[str, Any]) -> float:
+    """Return what damping has dissipated since the cut began [N·mm]."""
+    return float(figures.get("damping_Nmm", 0.0) - figures.get("damping_before_Nmm", 0.0))
 
 
-def trusted_rows(history: Mapping[str, Floats]) -> Bools:
-    """Return the rows with enough work of tool and supports to compare with, shape (n_row,).
+def driving_work(entries: Mapping[str, Energy]) -> Energy:
+    """Return the work of tool and supports together, which move tool and film to each other."""
+    return PUT_IN[0].of(entries) + PUT_IN[1].of(entries)
 
-    These are the rows with at least a tenth of the largest work of the run; none if there was no
-    work.
+
+def put_through(entries: Mapping[str, Energy]) -> Energy:
+    """Return all energy that has been put into the film or taken out of it.
+
+    It is the sum of what tool and supports, loads and the start have put in, without signs. The
+    error of the energy balance is relative to it. Tool and supports count together: what both do
+    in a film that moves on with its tool depends on the axes only.
     """
-    work = np.abs(driving_work(history))
-    finite = np.isfinite(work)
-    most = work[finite].max(initial=0.0)
-    return np.asarray(finite & (work > 0.0) & (work >= _COMPARED_FROM * most))
+    _, _, loads, start = PUT_IN
+    return abs(driving_work(entries)) + abs(loads.of(entries)) + abs(start.of(entries))
 
 
-def largest_shares(history: Mapping[str, Floats], trusted: Bools) -> dict[str, float]:
-    """Return the largest imbalance and kinetic energy relative to the driving work, [-].
+def energy_put_in(history: Mapping[str, Floats]) -> Floats:
+    """Return the largest energy so far that has been put in or taken out, shape (n_row,)."""
+    return _so_far(put_through(history))
 
-    Of a film that its supports move the kinetic energy is that which is seen from the film.
-    Empty if no row can be trusted: without work there is no balance to close.
+
+def cut_work(history: Mapping[str, Floats]) -> tuple[Floats, int]:
+    """Return the work of the cut up to each row, shape (n_row,), and the row before it begins.
+
+    It is the work of the tool, as seen from the film, or what the laws have dissipated since the
+    tool began to work, whichever is larger; of both the largest so far. A tool that does no work
+    but round-off rests: then that of the supports takes its place, or else that of the loads.
+    Without a tool only that of the supports does.
     """
-    if not trusted.any():
-        return {}
-    work = np.maximum(np.abs(driving_work(history)[trusted]), np.finfo(float).tiny)
-    kinetic = history.get(KINETIC_IN_FILM)
-    if kinetic is None:
-        kinetic = history["kinetic_translation"] + history["kinetic_rotation"]
-    return {
-        "imbalance_rel": float((np.abs(history["imbalance"][trusted]) / work).max()),
-        "kinetic_rel": float((np.abs(kinetic[trusted]) / work).max()),
+    moved = TOOL_WORK_IN_FILM, "tool_work", "support_work"
+    names = (*moved, "load_work") if "deepest_penetration" in history else moved
+    least = _ROUND_OFF * energy_put_in(history)
+    works = (np.abs(history[name]) for name in names if name in history)
+    work = next((one for one in works if (one > least).any()), np.zeros(len(least)))
+    done, asked = work > least, total(ASKED_FOR, history)
+    begin = max(int(np.argmax(done)) - 1, 0)
+    return _so_far(np.where(done.any(), np.maximum(work, asked - asked[begin]), 0.0)), begin
+
+
+def _so_far(energy: Floats) -> Floats:
+    """Return the largest magnitude up to each row, nan in rows that are not finite."""
+    finite = np.isfinite(energy)
+    most = np.maximum.accumulate(np.where(finite, np.abs(energy), 0.0))
+    return np.where(finite, most, np.nan)
+
+
+def trusted_rows(whole: Floats) -> Bools:
+    """Return the rows with enough of an energy to compare others with, shape (n_row,).
+
+    These are the rows with at least a tenth of its largest value; none if all are zero.
+    """
+    most = np.fmax.reduce(whole, initial=0.0)
+    return np.asarray((whole > 0.0) & (whole >= _COMPARED_FROM * most))
+
+
+def relative_figures(history: Mapping[str, Floats]) -> dict[str, float]:
+    """Return what the verdict compares energies with [N·mm], and the largest shares of it, [-].
+
+    The kinetic energy is that which is seen from the film, if supports move it. Left out is what
+    has nothing to be compared with, or is zero.
+    """
+    put_in, (work, begin) = energy_put_in(history), cut_work(history)
+    before = _DAMPING.of(history)[begin : begin + 1]
+    shares = (
+        ("imbalance_rel", history["imbalance"], put_in),
+        ("kinetic_rel", history.get(KINETIC_IN_FILM, _KINETIC.of(history)), work),
+    )
+    figures = {
+        name: float((np.abs(energy[rows]) / whole[rows]).max())
+        for name, energy, whole in shares
+        if (rows := trusted_rows(whole)).any()
     }
+    energies = {
+        "cut_work_Nmm": np.fmax.reduce(work, initial=0.0),
+        "damping_before_Nmm": before.sum(),
+    }
+    return figures | {name: float(energy) for name, energy in energies.items() if energy}

@@ -10,7 +10,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.view.curves import Curve, Diagram
 
-from .energy_account import PUT_IN, TAKEN_UP, energy_shares, total, trusted_rows
+from .energy_account import PUT_IN, TAKEN_UP, energy_put_in, energy_shares, total, trusted_rows
 from .summary_figures import said_of, window_of
 
 # A negative share up to this part of the largest is still drawn as an area: round-off and the half
@@ -78,7 +78,8 @@ def energy_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> D
 
 
 def imbalance_diagram(history: Mapping[str, Floats], units: Mapping[str, str]) -> Diagram:
-    """Return the imbalance over the work [%], from a tenth of the largest work on."""
+    """Return the imbalance over the energy put in [%], from a tenth of its largest value on."""
     x = list(history)[1]
-    missed = np.where(trusted_rows(history), 100.0 * history["imbalance_rel"], np.nan)
+    put_in = energy_put_in(history)
+    missed = 100.0 * history["imbalance"] / np.where(trusted_rows(put_in), put_in, np.nan)
     return Diagram(history[x], [Curve("imbalance", missed)], x, units[x], "imbalance", "%")

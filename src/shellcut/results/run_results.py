@@ -205,7 +205,7 @@ class Results:
     def plot_energy(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Draw the energy balance; return the picture's path, by default ``energy.png``.
 
-        The imbalance is in per cent of the tool's work, from a tenth of the largest work.
+        The imbalance is in per cent of the energy put in, from a tenth of its largest value.
 
         Raises
         ------

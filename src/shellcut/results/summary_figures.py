@@ -23,8 +23,7 @@ from .energy_account import (
     TAKEN_UP,
     energy_figures,
     growth_figure,
-    largest_shares,
-    trusted_rows,
+    relative_figures,
 )
 from .steady_window import half_width_of, steady_figures
 from .verdict import distrusted_figures
@@ -78,8 +77,8 @@ LABELS = {
     "n_step": "steps",
     "ns_per_quad_step": "computing time per quad and step",
     "wall_s": "computing and output time",
-    "imbalance_rel": "largest error of the energy balance, of the work",
-    "kinetic_rel": "largest kinetic energy, of the work",
+    "imbalance_rel": "largest imbalance, of the energy put in",
+    "kinetic_rel": "largest kinetic energy, of the work of the cut",
     "quasi_static": "kinetic energy allowed by quasi_static, over the work",
     "n_stop": "stops of the film by quasi_static",
     "added_inertia_factor": "scale of the rotary inertia",
@@ -110,6 +109,7 @@ _ELSEWHERE = {
     *(growth_figure(part) for part in (*TAKEN_UP, IMBALANCE)),
     *("overstress_rel", "idle_edge", "idle_edge_load_rel"),
     *("piercing_delay_rel", "crack_lead_mm", "share_done", "options"),
+    *("cut_work_Nmm", "damping_before_Nmm"),
     *("film_half_thickness_mm", "resistance", "no_window", "crack_path", "digest"),
     *(f"loose_{axis}_mm" for axis in "xyz"),
     *(f"window_{end}_{unit}" for end in ("from", "to") for unit in ("deg", "mm")),
@@ -252,7 +252,7 @@ def run_figures(
         f"{x}_end_{x_unit}": end[x],
         **energy_figures(end),
         **{f"{name}_Nmm": end[name] for name in _OF_CABLES if name in end},
-        **largest_shares(history, trusted_rows(history)),
+        **relative_figures(history),
         "crack_length_mm": end["crack_length"],
         **_peak(history, coordinate, resistance),
         **_peak(history, coordinate, ("axial_force", "N")),

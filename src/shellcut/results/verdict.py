@@ -17,9 +17,10 @@ from shellcut.loads.adhesion import ZONE_SIDES
 
 from .energy_account import (
     ASKED_FOR,
-    DRIVERS,
+    PUT_IN,
     STORED,
     account,
+    damping_of_cut,
     dissipated,
     growth_figure,
     never_touched,
@@ -30,8 +31,8 @@ LOGGER = logging.getLogger("shellcut.verdict")
 """Logs the lines at the end of a run: doubts as warnings, the others as information."""
 LOGGER.setLevel(logging.INFO)
 
-# Limits, with their reasons in docs/howto/trust.md. Energies are relative to the tool's work.
-IMBALANCE_LIMIT = 0.01
+# Limits, with their reasons in docs/howto/trust.md. Energies are relative to the work of the cut.
+IMBALANCE_LIMIT = 0.01  # of the energy put in
 KINETIC_LIMIT, QUASI_STATIC_LIMIT = 0.05, 0.01
 DAMPING_LIMIT = 0.10
 CONTACT_LIMIT = 0.05  # friction not counted
@@ -77,7 +78,7 @@ def verdict(figures: Figures, doubts: Iterable[str] = ()) -> list[Line]:
     Examples
     --------
     >>> print(verdict({"imbalance_rel": 0.0002})[0])
-    ok: The energies balance: the error is at most 0.02 % of the tool's work (limit 1 %).
+    ok: The energies balance: the error is at most 0.02 % of the energy put in (limit 1 %).
     """
     lines = [Line("doubt", f"Before the run: {text}") for text in doubts]
     lines += [line for judge in _JUDGES for line in judge(figures)]
@@ -169,18 +170,14 @@ def _percent(share: float, limit: float = float("nan")) -> str:
     return f"{_beside(100.0 * share, 100.0 * limit, 2 if abs(share) < 0.095 else 3)} %"
 
 
-def _of_work(figures: Figures, share: float, limit: float) -> str:
-    tool, supports = (f"{name}_Nmm" in figures for name in DRIVERS)
-    who = "supports' work" if supports else "tool's work"
-    if supports and (tool or is_of_a_tool(figures)):
-        who = "work of tool and supports"
-    return f"{_percent(share, limit)} of the {who}"
+def _of_cut(share: float, limit: float) -> str:
+    return f"{_percent(share, limit)} of the work of the cut"
 
 
-def _share_of_work(figures: Figures, name: str) -> float | None:
-    """Return an energy over the driving work, None without; an energy that is not there is zero."""
-    work = abs(sum(figures.get(f"{name}_Nmm", 0.0) for name in DRIVERS))
-    return figures.get(name, 0.0) / work if work > 0.0 else None
+def _share_of_cut(figures: Figures, energy: float) -> float | None:
+    """Return an energy over the work of the cut, None without."""
+    work = figures.get("cut_work_Nmm", 0.0)
+    return energy / work if work > 0.0 else None
 
 
 def is_of_a_tool(figures: Figures) -> bool:
@@ -225,7 +222,7 @@ def _energies(figures: Figures) -> Iterator[Line]:
             abs(missed) <= IMBALANCE_LIMIT,
             "The energies balance",
             "No force or energy of this run can be trusted, because the energies do not balance",
-            f"the error is at most {_of_work(figures, missed, IMBALANCE_LIMIT)}",
+            f"the error is at most {_percent(missed, IMBALANCE_LIMIT)} of the energy put in",
             _percent(IMBALANCE_LIMIT),
             _remedies(figures, *_SMALLER_STEP),
         )
@@ -238,13 +235,17 @@ def _speed(figures: Figures) -> Iterator[Line]:
         kinetic = figures["kinetic_rel"]
         most = QUASI_STATIC_LIMIT if "quasi_static" in figures else KINETIC_LIMIT
         bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
+        tool, supports, loads = (figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN[:3])
+        if abs(loads) > abs(tool + supports):
+            bad = "Loads move or tear the film so fast that its inertia"
+            remedy = " Use loads that grow more slowly, if they do not tear the film by themselves."
         if figures.get("options", {}).get("unheld"):
             bad, remedy = "The film, or a piece of it, is not supported, so that its inertia", ""
         yield _judged(
             abs(kinetic) <= most,
             "The motion is slow enough",
             f"{bad} carries part of the load",
-            f"kinetic energy reaches {_of_work(figures, kinetic, most)}",
+            f"kinetic energy reaches {_of_cut(kinetic, most)}",
             _percent(most),
             remedy,
         )
@@ -283,13 +284,13 @@ def _speed(figures: Figures) -> Iterator[Line]:
             _percent(DELAY_LIMIT),
             f" Use a motion that is {slower:.1f} times slower, or a finer film near the tips.",
         )
-    damping = _share_of_work(figures, "damping_Nmm")
+    damping = _share_of_cut(figures, damping_of_cut(figures))
     if damping is not None and judged:
         yield _judged(
             abs(damping) <= DAMPING_LIMIT,
             "Damping is small",
             "Force or torque is too high by the work of damping, because film springs open",
-            _of_work(figures, damping, DAMPING_LIMIT),
+            _of_cut(damping, DAMPING_LIMIT),
             _percent(DAMPING_LIMIT),
             _remedies(figures, "shorter sides", *_SLOWER, "damping"),
         )
@@ -297,7 +298,7 @@ def _speed(figures: Figures) -> Iterator[Line]:
 
 def _contact(figures: Figures) -> Iterator[Line]:
     """Yield what contact took of the work, with the tool and of the film with itself."""
-    contact = _share_of_work(figures, "contact_Nmm")
+    contact = _share_of_cut(figures, figures.get("contact_Nmm", 0.0))
     if contact is not None and is_of_a_tool(figures):
         stored, lost = (figures.get(f"contact_{name}_Nmm", 0.0) for name in ("stored", "lost"))
         did, limit, cures = "took", CONTACT_LIMIT, ["finer", *_SMALLER_STEP]
@@ -315,18 +316,18 @@ def _contact(figures: Figures) -> Iterator[Line]:
             abs(contact) <= limit,
             "Contact takes little work",
             bad,
-            f"it {did} {_of_work(figures, abs(contact), limit)}, friction not counted",
+            f"it {did} {_of_cut(abs(contact), limit)}, friction not counted",
             _percent(limit),
             _remedies(figures, *cures),
         )
-    lost = _share_of_work(figures, "self_contact_lost_Nmm")
+    lost = _share_of_cut(figures, figures.get("self_contact_lost_Nmm", 0.0))
     if lost is not None and "self_contact_Nmm" in figures:
         did = "lost" if lost >= 0.0 else "gave the film"
         yield _judged(
             abs(lost) <= GIVEN_LIMIT,
             "Parts of the film meet slowly enough",
             "Parts of the film hit each other too fast for the time step",
-            f"their contact {did} {_of_work(figures, abs(lost), GIVEN_LIMIT)}",
+            f"their contact {did} {_of_cut(abs(lost), GIVEN_LIMIT)}",
             _percent(GIVEN_LIMIT),
             _remedies(figures, *_SMALLER_STEP),
         )
@@ -515,13 +516,15 @@ def _window(figures: Figures) -> Iterator[Line]:
     yield Line("note", said)
     if not is_of_a_tool(figures):
         return
-    by_law = stored + sum(figures.get(growth_figure(part), 0.0) for part in ASKED_FOR)
+    by_law = sum(figures.get(growth_figure(part), 0.0) for part in ASKED_FOR)
+    # Where the film releases energy the cut takes more work than was put in.
+    other = (1.0 - stored - by_law) / max(1.0, by_law)
     yield _judged(
-        abs(1.0 - by_law) <= OTHER_LIMIT,
+        abs(other) <= OTHER_LIMIT,
         "In the steady window force or torque is that of cables, film and friction",
         "In the steady window force or torque is not that of cables, film and friction alone: "
         "vibration, damping and contact carry part of it",
-        f"all else took {_of_work(figures, 1.0 - by_law, OTHER_LIMIT)}",
+        f"all else took {_of_cut(other, OTHER_LIMIT)}",
         _percent(OTHER_LIMIT),
         _remedies(figures, "shorter sides", *_SLOWER, "damping"),
     )
@@ -550,8 +553,8 @@ def _stored(figures: Figures) -> Iterator[Line]:
     yield Line(
         "doubt",
         "Force or torque may be too high, because the film may not fold beside the tool: "
-        f"{why}. It stored {_of_work(figures, stored, STORED_LIMIT)} in the steady window (limit "
-        f"{_percent(STORED_LIMIT)}).{remedy}",
+        f"{why}. It stored {_percent(stored, STORED_LIMIT)} of the work that was put in during the "
+        f"steady window (limit {_percent(STORED_LIMIT)}).{remedy}",
     )
 
 

@@ -130,8 +130,8 @@ class StabilityGuard:
         return max(self.balance.largest, self._one_edge)
 
     def imbalance(self, book: Ledger) -> float | None:
-        """Return what the energy balance misses over the work, None while that is too little."""
-        is_enough = (abs(book.driving) or abs(book.put_in)) >= self.balance.least
+        """Return what the energy balance misses over the energy put in, None while it is little."""
+        is_enough = book.put_through >= self.balance.least
         return book.relative(book.imbalance) if is_enough else None
 
     def check_strain(self, state: State, book: Ledger) -> None:

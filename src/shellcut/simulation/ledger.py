@@ -6,14 +6,14 @@
 Each entry is computed from its own forces and increments, none by difference: works are sums of
 ½ (f_{n-1} + f_n) · Δx, the tool's with its wrench and the twist of its motion; kinetic, strain and
 the stored and dissipated parts of the cohesive law are functions of the state. What the two sides
-differ by, relative to the work put in, is the imbalance: the first figure of trust.
+differ by, relative to the energy put in, is the imbalance: the first figure of trust.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shellcut.results.energy_account import PUT_IN, TAKEN_UP, total
+from shellcut.results.energy_account import PUT_IN, TAKEN_UP, put_through, total
 
 
 @dataclass
@@ -100,11 +100,11 @@ class Ledger:
         return self.put_in - self.taken_up
 
     @property
-    def driving(self) -> float:
-        """Work of tool and supports, which together move tool and film to each other."""
-        return self.tool_work + self.support_work
+    def put_through(self) -> float:
+        """All energy that has been put into the film or taken out of it."""
+        return float(put_through(vars(self)))
 
     def relative(self, energy: float) -> float:
-        """Return an energy relative to the driving work, or to all that was put in."""
-        scale = abs(self.driving) or abs(self.put_in)
+        """Return an energy relative to all that has been put in or taken out."""
+        scale = self.put_through
         return energy / scale if scale > 0 else 0.0
