@@ -249,24 +249,6 @@ def _speed(figures: Figures) -> Iterator[Line]:
             _percent(most),
             remedy,
         )
-    stress = figures.get("overstress_rel", 0.0)
-    if stress > STRESS_LIMIT:
-        yield Line(
-            "doubt",
-            "The film would have torn where it has no notch: its stress stayed at "
-            f"{_beside(stress, STRESS_LIMIT)} times the strength, at more than two quads from "
-            f"cracks, supports and tool (limit {STRESS_LIMIT:g}). The run begins no crack there, "
-            "and what follows is not what the film would do. Cut a notch where it tears.",
-        )
-    load = figures.get("idle_edge_load_rel", 0.0)
-    if load > IDLE_LIMIT:
-        yield Line(
-            "doubt",
-            f"Cutting edge {figures['idle_edge']:.0f} has cut nothing, though it pressed with "
-            f"{_beside(load, IDLE_LIMIT)} times the force that pierces the film (limit "
-            f"{IDLE_LIMIT:g}): an edge pierces no quad that another one has cut. "
-            "Force and work are wrong." + _remedies(figures, "finer"),
-        )
     if "piercing_delay_rel" in figures:
         delay = figures["piercing_delay_rel"]
         # It had pressed for t + T, of which T is the delay: T / t goes with the square of the
@@ -369,6 +351,28 @@ def _depths(figures: Figures) -> Iterator[Line]:
             f"their nodes: they are up to {_beside(depth, limit)} mm deep in it (limit "
             f"{limit:.3g} mm, half of the film's thickness)."
             + _remedies(figures, "film edges", "finer"),
+        )
+
+
+def _where_nothing_was_cut(figures: Figures) -> Iterator[Line]:
+    """Yield the doubts of film that would have torn, or been pierced, where no cut began."""
+    stress = figures.get("overstress_rel", 0.0)
+    if stress > STRESS_LIMIT:
+        yield Line(
+            "doubt",
+            "The film would have torn where it has no notch: its stress stayed at "
+            f"{_beside(stress, STRESS_LIMIT)} times the strength, at more than two quads from "
+            f"cracks, supports and tool (limit {STRESS_LIMIT:g}). The run begins no crack there, "
+            "and what follows is not what the film would do. Cut a notch where it tears.",
+        )
+    load = figures.get("idle_edge_load_rel", 0.0)
+    if load > IDLE_LIMIT:
+        yield Line(
+            "doubt",
+            f"Cutting edge {figures['idle_edge']:.0f} has cut nothing, though it pressed with "
+            f"{_beside(load, IDLE_LIMIT)} times the force that pierces the film (limit "
+            f"{IDLE_LIMIT:g}): an edge pierces no quad that another one has cut. "
+            "Force and work are wrong." + _remedies(figures, "finer"),
         )
 
 
@@ -571,6 +575,7 @@ def _rotary_inertia(figures: Figures) -> Iterator[Line]:
 _JUDGES: tuple[Callable[[Figures], Iterator[Line]], ...] = (
     _energies,
     _speed,
+    _where_nothing_was_cut,
     _contact,
     _depths,
     single_doubts,
