@@ -22,6 +22,7 @@ tip has pressed grows with m v²; the verdict judges it (``DELAY_LIMIT``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -35,6 +36,9 @@ from shellcut.tool.pose import Pose
 
 IMPACT = 0.1
 """Share of F_p that the impact of a node may count as."""
+
+# Growth of the time for which a tip has pressed after which the tension around it is measured anew.
+_GROWTH = math.log(1.02)
 
 # Of a tip: mean force [N], largest T [s], time for which it has pressed [s].
 _FORCE, _DELAY, _PRESSED = range(3)
@@ -67,6 +71,7 @@ class PressingTips(Kept):
         self._impedance = impedance
         self._of_point = np.zeros((len(limits), 3))
         self._step = 0
+        self._passed = 0.0
 
     def follow(self, state: State, pose: Pose, loads: Mapping[int, float]) -> None:
         """Take what presses on tips at the last evaluation, with the tool at the given pose.
@@ -87,11 +92,23 @@ class PressingTips(Kept):
         dt = steps * state.dt
         of[pressing, _FORCE] += (dt / (of[:, _DELAY] + dt) * (force - of[:, _FORCE]))[pressing]
         of[pressing, _PRESSED] += dt
+        self._passed = dt
         of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits)] = 0.0
 
     def mean(self, point: int) -> float:
         """Return the mean force on a point of the tool [N]."""
         return float(self._of_point[point, _FORCE])
+
+    def is_due(self, point: int) -> bool:
+        """Return whether the tension around a tip is to be measured, which takes long.
+
+        It is at every check first, and once in 2 % of the time for which the tip has pressed later.
+        """
+        pressed = float(self._of_point[point, _PRESSED])
+        before = pressed - self._passed
+        if before <= 0.0:
+            return True
+        return math.log(pressed) // _GROWTH > math.log(before) // _GROWTH
 
     def delay(self, point: int) -> float:
         """Return T over the time for which a point of the tool has pressed."""
