@@ -312,18 +312,6 @@ def test_a_film_that_yields_before_its_strength_is_doubted(caplog):
     assert "distrust: a film must be able to carry the strength" in caplog.text
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.25, False), (0.5, True)])
-def test_a_film_that_is_tight_is_doubted(share, told):
-    case = opening_test("quick")
-    sim = case.simulation
-    strain = share * 18.0 * 0.7 / 1678.0  # of both directions at nu = 0.3
-    sim.relax(strain * sim.mesh.nodes * [1.0, 1.0, 0.0])
-    said = [str(one) for one in shellcut.check_model(sim, case.duration).findings]
-    assert bool(said) == told
-    if told:
-        assert f"a tip then needs {np.sqrt(1.0 - share**2):.2g} of the usual force" in said[0]
-
-
 # --- numbers typed in another unit are told, those of the film are not
 
 

@@ -9,7 +9,7 @@ from scipy.special import k1
 
 import shellcut as sc
 from naive import plastic, pressed_plate
-from shellcut.fracture.puncture import CENTRE, bending_length, puncture_force
+from shellcut.fracture.puncture import CENTRE, Puncture, bending_length, puncture_force
 from shellcut.mesh.structured import disc, rectangle
 from shellcut.tool.shapes import straight_blade
 
@@ -92,7 +92,10 @@ def test_tension_far_away_takes_from_the_force(far):
     # With n(0) N the tension that parts the film, F is CENTRE / n(0) of F_s.
     n0 = tension_under_point(far)
     assert 0.2 < far / n0 < 0.98
-    assert 1.0 < CENTRE / n0 / np.sqrt(1.0 - (far / n0) ** 2) < 1.058
+    film, law = sc.ShellMaterial.homogeneous(), sc.CohesiveLaw()
+    slack = puncture_force(film, law)
+    left = Puncture.of(film, law).force_left(slack, far / n0, far / n0) / slack
+    assert 1.0 < CENTRE / n0 / left < 1.058
 
 
 @pytest.mark.parametrize("rho", [0.3, 3.0, 8.0])
@@ -182,14 +185,20 @@ def test_a_flat_edge_cuts_a_strip_at_the_strength_across_it(film, size, beside):
     assert run.state.split_log[0].kind == "puncture"
 
 
-def tip_on_a_disc(film, force, n_side, inner=0.8):
-    """Return how deep a point load presses a clamped disc of 10.2 mm, and the stress there."""
+def tip_on_a_disc(film, force, n_side, inner=0.8, tension=(0.0, 0.0)):
+    """Return how deep a point load presses a clamped disc of 10.2 mm, and the stress there.
+
+    tension : stresses along x and y with which it is stretched before it is clamped [MPa].
+    """
     ratio = 1.0 + 1.9 / n_side
     n_ring = int(np.ceil(np.log(10.2 / inner) / np.log(ratio)))
     mesh = disc(10.2, n_side=n_side, ring_radii=np.geomspace(10.2, inner, n_ring + 1).tolist())
     (centre,) = mesh.node_set("centre")
     load = sc.NodalForce([centre], (0.0, 0.0, -force))
     statics = sc.Statics(mesh, film, supports=[sc.Support.clamped("rim")], loads=[load])
+    along, across = tension
+    strain = np.array([along - 0.3 * across, across - 0.3 * along, 0.0]) / 1678.0
+    statics.move(strain * mesh.nodes)
     end = statics.load_steps(np.geomspace(0.02, 1.0, 8).tolist())[-1]
     at_tip = np.flatnonzero((mesh.quads == centre).any(axis=1))
     return -end.displacement[centre, 2], statics.stress(at_tip, place="nominal").mean(axis=0)
@@ -200,6 +209,19 @@ def test_a_tip_on_a_clamped_disc_is_as_deep_as_the_membrane_has_it():
     film = sc.ShellMaterial.homogeneous()
     depth, _ = tip_on_a_disc(film, puncture_force(film, sc.CohesiveLaw()), 4)
     assert depth == pytest.approx(0.6216, rel=0.015)
+
+
+@pytest.mark.parametrize("tension", [(0.0, 9.0), (3.0, 9.0), (9.0, 9.0)])
+def test_a_film_that_is_tight_parts_at_what_its_tension_leaves(tension):
+    # On one mesh, on which the slack film at F_p has the same tension at the tip.
+    film, law = sc.ShellMaterial.homogeneous(), sc.CohesiveLaw()
+    force = puncture_force(film, law)
+    least, most = tension
+    left = Puncture.of(film, law).force_left(force, most / 18.0, least / 18.0)
+    assert left == pytest.approx(force * np.sqrt((1.0 - most / 18.0) * (1.0 + least / 18.0)))
+    _, slack = tip_on_a_disc(film, force, 8, 0.35)
+    _, tight = tip_on_a_disc(film, left, 8, 0.35, tension)
+    assert tight[1, 1] == pytest.approx(slack[1, 1], rel=0.04)
 
 
 def test_a_film_with_axes_parts_across_the_stiff_one():

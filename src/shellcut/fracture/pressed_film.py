@@ -2,12 +2,13 @@
 
 A tooth that comes down in the middle of the sheet presses it by its contact points. The film parts
 under a tip, or the lowest place of an arc, once all that presses it there carries F_p
-(:mod:`.puncture`) for longer than impacts last (:mod:`.pressing_tips`): points of the tool and
-nodes within the bending length L, and of an arc all its points within the width of the contact and
-an edge length, between which the mesh shares the force. Where the edge is straight, the film parts
-along it once the mean membrane stress across it reaches the strength in the quad under it. Of an
-arc so flat that its F_m exceeds F_s the one or the other; one that the contact is wider than is
-straight. The force on a tip does not depend on the mesh, which the stress under it does.
+(:mod:`.puncture`) for longer than impacts last (:mod:`.pressing_tips`). Where the film is in
+tension (:mod:`.film_tension`), F_p is smaller. On a tip press points of the tool and nodes within
+the bending length L, and of an arc all its points within the width of the contact and an edge
+length, between which the mesh shares the force. Where the edge is straight, the film parts along it
+once the mean membrane stress across it reaches the strength in the quad under it. Of an arc so flat
+that its F_m exceeds F_s the one or the other; one that the contact is wider than is straight. The
+force on a tip does not depend on the mesh, which the stress under it does.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from shellcut.tool.tool import Tool
 
 from .cut_film import CutFilm
 from .entered_film import NEAR_A_TIP
+from .film_tension import tension_around
 from .own_cuts import OwnCuts
 from .pressing_tips import PressingTips
 from .puncture import PierceLimits, PlaceLimits
@@ -37,6 +39,9 @@ from .tip import Begun, DrivenTips, Pierced
 
 # Cosine of the angle between forces that press the film in the same direction.
 _SAME_DIRECTION = 0.5
+
+# L from the contact of a tip beyond which its own tension is that of a membrane.
+_RING = 4.0
 
 # Edge lengths from a tip that faces the film within which an edge has not crossed a border.
 _JUST_THERE = 0.1
@@ -125,7 +130,7 @@ class PressedFilm(Kept):
         measure = delay = impact = 0.0
         if self._places.force[k] < np.inf:
             mean = self._means.mean(k)
-            measure, delay = mean / self._places.force[k], self._means.delay(k)
+            measure, delay = mean / self._carried(state, row, here, k), self._means.delay(k)
             impact = on_tip - mean
         if self._places.lies[k]:
             across = self._across(state, pose, row, segment) / self._limits.strength
@@ -167,6 +172,18 @@ class PressedFilm(Kept):
             if not (of_edge & (gap < near * self._film.size(start.row))).any():
                 clear.append(start)
         return clear
+
+    def _carried(self, state: State, row: int, here: Floats, k: int) -> float:
+        """Return the force that pierces a row under point k of the tool [N].
+
+        here : place of the point, shape (3,) [mm].
+        """
+        force, limits = float(self._places.force[k]), self._limits
+        if limits.own is not None or not self._means.is_due(k):
+            return force
+        ring = _RING * limits.puncture.length + float(self._places.width[k])
+        most, least = tension_around(self._shell, state, row, here, ring)
+        return limits.puncture.force_left(force, most / limits.strength, least / limits.strength)
 
     def _across(self, state: State, pose: Pose, row: int, segment: int) -> float:
         """Return the mean membrane stress across an edge in a row [MPa]."""

@@ -22,6 +22,7 @@ tip has pressed grows with m v²; the verdict judges it (``DELAY_LIMIT``).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -35,6 +36,9 @@ from shellcut.tool.pose import Pose
 
 IMPACT = 0.1
 """Share of F_p that the impact of a node may count as."""
+
+# Growth of the time for which a tip has pressed after which the tension around it is measured anew.
+_GROWTH = math.log(1.02)
 
 # Of a tip: mean force [N], largest T [s], time for which it has pressed [s]; and the largest mean
 # force so far [N].
@@ -68,6 +72,7 @@ class PressingTips(Kept):
         self._impedance = impedance
         self._of_point = np.zeros((len(limits), 4))
         self._step = 0
+        self._passed = 0.0
 
     def follow(self, state: State, pose: Pose, loads: Mapping[int, float]) -> None:
         """Take what presses on tips at the last evaluation, with the tool at the given pose.
@@ -89,6 +94,7 @@ class PressingTips(Kept):
         of[pressing, _FORCE] += (dt / (of[:, _DELAY] + dt) * (force - of[:, _FORCE]))[pressing]
         of[pressing, _PRESSED] += dt
         of[:, _LARGEST] = np.maximum(of[:, _LARGEST], of[:, _FORCE])
+        self._passed = dt
         of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits), :_LARGEST] = 0.0
 
     def mean(self, point: int) -> float:
@@ -98,6 +104,17 @@ class PressingTips(Kept):
     def largest(self) -> Floats:
         """Return the largest mean force on each point of the tool so far, over its F_p."""
         return np.asarray(self._of_point[:, _LARGEST] / self._limits)
+
+    def is_due(self, point: int) -> bool:
+        """Return whether the tension around a tip is to be measured, which takes long.
+
+        It is at every check first, and once in 2 % of the time for which the tip has pressed later.
+        """
+        pressed = float(self._of_point[point, _PRESSED])
+        before = pressed - self._passed
+        if before <= 0.0:
+            return True
+        return math.log(pressed) // _GROWTH > math.log(before) // _GROWTH
 
     def delay(self, point: int) -> float:
         """Return T over the time for which a point of the tool has pressed."""

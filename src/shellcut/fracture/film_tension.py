@@ -1,0 +1,70 @@
+"""The tension that a film has where a tip presses it, without what the tip adds.
+
+The force that pierces a film depends on the tension that it has far from the tip
+(:mod:`.puncture`). There the film carries the tip as a membrane, by a radial tension n and one of
+n/3 around the tip: p ~ x^(1/3) in the plate's equations. The mean of these tensions over a ring
+around the tip is 2n/3 in all directions, and the mean difference of radial and circumferential
+tension is 2n/3, too. A uniform tension of the film adds itself to the first mean and nothing to the
+second. So it is the first less the second, whatever has stretched the film: supports, loads, other
+tips or an earlier relaxation.
+
+By the plate's equations this is within 0.1 of N_F, at 4 L from the tip and farther, of a tension
+that is equal in all directions.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shellcut.arrays import Floats, Ints, norm, product
+from shellcut.mitc4.shell import MITC4Shell
+from shellcut.state import State
+
+
+def tension_around(
+    shell: MITC4Shell, state: State, row: int, place: Floats, distance: float
+) -> tuple[float, float]:
+    """Return the principal membrane stresses around a tip without its own, the larger first [MPa].
+
+    They are 0 if the film ends before the ring.
+
+    Parameters
+    ----------
+    shell : MITC4Shell
+        Its stresses.
+    state : State
+        Current positions.
+    row : int
+        Quad that the tip presses. Two quads at least lie between it and the ring, because the mesh
+        smooths the stress near a tip.
+    place : ndarray, shape (3,)
+        Of the tip [mm].
+    distance : float
+        From the tip to the centres of the quads in the ring, at least [mm].
+    """
+    n, inner = state.node, _with_neighbours(state, _with_neighbours(state, np.array([row])))
+    while True:
+        every = _with_neighbours(state, inner)
+        ring, inner = np.setdiff1d(every, inner), every
+        ring = ring[n.real[state.quads[ring]].all(axis=1)]  # stresses in cut quads are not smooth
+        if not ring.size:
+            return 0.0, 0.0
+        gap = n.x[state.quads[ring]].mean(axis=1) - place
+        if (away := norm(gap)).min() >= distance:
+            break
+    stress, out = shell.stress(state, ring, place="nominal"), gap / away[:, None]
+    radial = float((product(stress, out[:, :, None])[:, :, 0] * out).sum(axis=1).mean())
+    mean = stress.mean(axis=0)
+    half = 0.5 * float(mean.trace())
+    apart = math.sqrt(max(0.5 * float((mean * mean).sum()) - half * half, 0.0))
+    without = half - 2.0 * (radial - half)
+    return without + apart, without - apart
+
+
+def _with_neighbours(state: State, rows: Ints) -> Ints:
+    """Return some rows and those that share a node with them."""
+    n, nodes = state.node, np.unique(state.quads[rows])
+    at = np.arange(n.quads.shape[1]) < n.n_quad_at[nodes, None]
+    return np.unique(n.quads[nodes][at])
