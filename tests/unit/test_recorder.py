@@ -12,7 +12,16 @@ import shellcut.recording.unfelt_penetration
 import shellcut.view.progress
 from notched_strip import cutting
 from open_files import is_open
-from shellcut import Recorder, ShellMaterial, Simulation, StraightMotion, Support, TableMotion, read
+from shellcut import (
+    Recorder,
+    ShellMaterial,
+    Simulation,
+    StraightMotion,
+    Support,
+    TableMotion,
+    compare,
+    read,
+)
 from shellcut.checks import RefusedModel
 from shellcut.files.run_folder import snapshot, snapshots
 from shellcut.mesh.structured import rectangle
@@ -21,6 +30,7 @@ from shellcut.recording.resistance import Resistance
 from shellcut.recording.run_summary import run_summary
 from shellcut.recording.unfelt_penetration import Unfelt, UnfeltPenetration
 from shellcut.results.history import read_history
+from shellcut.results.measured_curve import MeasuredCurve
 from shellcut.results.verdict import Line
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.simulation.hooks import StopWhen
@@ -89,6 +99,12 @@ def test_splits_are_told_with_place_and_reference(whole):
         assert tuple(columns[name][k] for name in "XYZ") == split.reference
         for name in ("time", "node", "twin", "kind", "measure", "force_jump"):
             assert columns[name][k] == getattr(split, name)
+        # The blade has cut from a notch on: each cut has its edge, and none is a puncture.
+        assert columns["edge"][k] == 1
+        assert split.kind in ("blade", "criterion")
+    path = results.history["path"]
+    measured = MeasuredCurve(path, results.history["force"], "mm", "N")
+    assert np.isnan(compare(results, measured, y="force").pierced_at)
     assert results.split_units["force_jump"] == "N"
     assert columns["node"].dtype.kind == "i"
 

@@ -25,7 +25,7 @@ FIRST_YIELD += [plausible.SMALLEST_R, plausible.LARGEST_R]
         ("The first yield stress is", FIRST_YIELD),
         ("The cutting edge is slower", [plausible.OF_WAVE]),
         ('With `path = "edges"`', [path.OFF_ROW]),
-        ("No two cutting edges", [path.ONE_LINE]),
+        ("With cracks through quads", [path.ONE_LINE]),
         ("Quads under the path have", [path.BENDS]),
     ],
 )

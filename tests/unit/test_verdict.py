@@ -41,7 +41,11 @@ UNTOUCHED |= {"tool_half_thickness_mm": 0.2, "n_cable_created": 0, "initial_Nmm"
         (PUT_IN | {"imbalance_rel": 0.02}, "doubt", "the error is at most 2 %"),
         ({"kinetic_rel": 0.05}, "good", "reaches 5 %"),
         (PUT_IN | {"kinetic_rel": 0.08}, "doubt", "reaches 8 %"),
-        (PUT_IN | {"kinetic_rel": 0.8, "load_work_Nmm": 101.0}, "doubt", "Loads move or tear the"),
+        (
+            PUT_IN | {"kinetic_rel": 0.8, "load_work_Nmm": 101.0},
+            "doubt",
+            "or the loads change too fast",
+        ),
         (PUT_IN | {"kinetic_rel": 0.8, "load_work_Nmm": 99.0}, "doubt", "The motion is too fast"),
         (FREE, "doubt", "The film, or a piece of it, is not supported, so that its inertia"),
         (PUT_IN | {"damping_Nmm": 12.0}, "doubt", "springs open: 12 %"),
@@ -75,8 +79,8 @@ UNTOUCHED |= {"tool_half_thickness_mm": 0.2, "n_cable_created": 0, "initial_Nmm"
         # Of what the steady window became.
         (PUT_IN | {"stored_growth_rel": 0.45, "n_imperfection": 0}, "doubt", "stored 45 %"),
         (GREW | {"damping_growth_rel": 0.09}, "good", "all else took 9 %"),
-        (ELSE, "doubt", "all else took 40 % of the work of the cut (limit 10 %)"),
-        (FREED, "good", "all else took 2 % of the work of the cut"),
+        (ELSE, "doubt", "all else took 40 % of the work in that window (limit"),
+        (FREED, "good", "all else took 2 % of the work in that"),
         (GAVE, "note", "The film released energy that it had stored"),
         # Of the cut.
         ({"n_split": 1, "n_split_off_path": 0, "off_path_mm": 0.01}, "good", "1 of 1 splits are"),

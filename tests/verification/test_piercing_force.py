@@ -151,7 +151,7 @@ def test_force_depth_and_work_at_the_first_piercing_are_told(tmp_path):
         assert 0.9 * down < splits["depth"][k] < down
         work = np.interp(then, history["time"], history["tool_work"])
         assert splits["work"][k] == pytest.approx(work, rel=0.02)
-    delays = [record.delay for record in sim.state.split_log if record.edge >= 0]
+    delays = [record.delay for record in sim.state.split_log if record.kind == "puncture"]
     assert 0.0 < told["piercing_delay_rel"] <= max(delays) < 0.05
     angle = history["angle"]
     measured = MeasuredCurve(angle, 0.5 * history["axial_force"], "deg", "N")

@@ -6,7 +6,6 @@ is off where it is not kept.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
@@ -74,7 +73,8 @@ def check_path(
     if along_edges:
         yield from _off_row(rows, sweep, bound=bool(fracture.only_along_edges))
     yield from _held(mesh, support, sweep)
-    yield from _in_one_quad(sweep)
+    if not along_edges:
+        yield from _in_one_quad(sweep)
     h = rows.spacing if along_edges else float(np.median(sweep.edge_length))
     if law.opening_u < RUNGS * h:
         yield doubt(
@@ -262,24 +262,22 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
 
 
 def _in_one_quad(sweep: Sweep) -> Iterator[Finding]:
-    quads, owner = np.unique(np.stack([sweep.quad, sweep.chain]), axis=1)
+    order = np.lexsort((sweep.chain, sweep.quad))
+    of = np.stack([sweep.quad, sweep.chain])[:, order]
+    starts = np.flatnonzero(np.diff(of, axis=1, prepend=-1).any(axis=0))
+    places = np.split(sweep.place[order], starts[1:])
+    quad, chain = of[:, starts]
+    side = np.sqrt(sweep.mesh.quad_areas())[quad]
     worst = 1.0
-    for quad in quads[1:][quads[1:] == quads[:-1]].tolist():
-        side = float(np.sqrt(sweep.mesh.quad_areas()[quad]))
-        places = [
-            sweep.place[(sweep.quad == quad) & (sweep.chain == chain)]
-            for chain in owner[quads == quad].tolist()
-        ]
-        for k, (one, other) in enumerate(itertools.pairwise(places)):
-            gap = float(scipy.spatial.distance.cdist(one, other).min())
-            if ONE_LINE * side < gap and gap / side < worst:
-                worst, apart, long = gap / side, gap, side
-                pair, where = owner[quads == quad][k : k + 2].tolist(), one[0]
+    for k in np.flatnonzero(quad[1:] == quad[:-1]).tolist():
+        gap = float(scipy.spatial.distance.cdist(places[k], places[k + 1]).min())
+        if ONE_LINE * side[k] < gap < worst * side[k]:
+            worst, apart, at = gap / side[k], gap, k
     if worst < 1.0:
         yield doubt(
             "no quad may be cut twice, because the second edge then passes through it without "
             "a force",
-            f"{_chains(pair)} {apart:.3g} mm apart in a quad with sides of {long:.3g} mm near "
-            f"{point_text(where, 4)} mm",
+            f"{_chains(chain[at : at + 2].tolist())} {apart:.3g} mm apart in a quad with sides of "
+            f"{side[at]:.3g} mm near {point_text(places[at][0], 4)} mm",
             f"use quads with sides of at most {0.5 * apart:.2g} mm there",
         )

@@ -249,7 +249,7 @@ class Cracks:
         return self._film.nodes_of(state, self.growth.tips)
 
     def nodes_at_tips(self, state: State) -> Ints:
-        """Return the nodes of the quads ahead of all tips."""
+        """Return the nodes of the quads at all tips."""
         rows = [row for tip in self.growth.tips for row, _ in self._film.rows_at_tip(tip)]
         return np.unique(state.quads[rows]).astype(np.int64)
 

@@ -253,8 +253,8 @@ def _entered(
     """Write the rows that edges enter, their segments and the places in them; return how many.
 
     whole, first : (n,), rows and their first nodes.  of_tip : (n_tip,), blade that drives each tip.
-    chain : (n_edge,), of each segment.  blade, low, high : (n_chain,), (n_chain, 3), of the chains,
-    and boxes around them.  quad, chord : tables of one row and two rays,
+    chain : (n_edge,), of each segment.  blade : (n_chain,), of each chain.  low, high :
+    (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
     written.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
     """
     pose, edges = borrowed(pose), borrowed(edges)

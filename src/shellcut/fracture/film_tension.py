@@ -6,7 +6,8 @@ n/3 around the tip: p ~ x^(1/3) in the plate's equations. The mean of these tens
 around the tip is 2n/3 in all directions, and the mean difference of radial and circumferential
 tension is 2n/3, too. A uniform tension of the film adds itself to the first mean and nothing to the
 second. So it is the first less the second, whatever has stretched the film: supports, loads, other
-tips or an earlier relaxation.
+tips or an earlier relaxation. In both means a quad counts by the part of the turn around the tip
+that it takes.
 
 By the plate's equations this is within 0.1 of N_F, at 4 L from the tip and farther, of a tension
 that is equal in all directions.
@@ -18,9 +19,12 @@ import math
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, product
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
+
+# Part of a turn that one quad of a closed ring may take.
+_WIDEST = 0.15
 
 
 def tension_around(
@@ -28,7 +32,7 @@ def tension_around(
 ) -> tuple[float, float]:
     """Return the principal membrane stresses around a tip without its own, the larger first [MPa].
 
-    They are 0 if the film ends before the ring.
+    They are 0 if the film ends before the ring, or the ring is open.
 
     Parameters
     ----------
@@ -55,12 +59,26 @@ def tension_around(
         if (away := norm(gap)).min() >= distance:
             break
     stress, out = shell.stress(state, ring, place="nominal"), gap / away[:, None]
-    radial = float((product(stress, out[:, :, None])[:, :, 0] * out).sum(axis=1).mean())
-    mean = stress.mean(axis=0)
+    share = _shares_of_turn(out, n.t[state.quads[row]].mean(axis=0))
+    if share.max() > _WIDEST:
+        return 0.0, 0.0
+    radial = float(product(share, (product(stress, out[:, :, None])[:, :, 0] * out).sum(axis=1)))
+    mean = np.einsum("n,nij->ij", share, stress)
     half = 0.5 * float(mean.trace())
     apart = math.sqrt(max(0.5 * float((mean * mean).sum()) - half * half, 0.0))
     without = half - 2.0 * (radial - half)
     return without + apart, without - apart
+
+
+def _shares_of_turn(out: Floats, normal: Floats) -> Floats:
+    """Return which part of a turn about a normal belongs to each direction : (n, 3), shape (n,)."""
+    first = unit(out[0] - product(out[0], unit(normal)) * unit(normal))
+    angle = np.arctan2(product(out, np.cross(unit(normal), first)), product(out, first))
+    order = np.argsort(angle, kind="stable")
+    gaps = np.diff(angle[order], append=angle[order[0]] + 2.0 * np.pi) / (2.0 * np.pi)
+    share = np.empty(len(out))
+    share[order] = 0.5 * (gaps + np.roll(gaps, 1))
+    return share
 
 
 def _with_neighbours(state: State, rows: Ints) -> Ints:

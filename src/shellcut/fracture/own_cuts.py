@@ -45,7 +45,7 @@ class OwnCuts:
         self._corners: dict[int, set[int]] = {_NOBODY: set()}
 
     def at_own_flank(self, state: State, row: int, segment: int) -> bool:
-        """Return whether a row has a node at a flank that a blade or nobody has cut.
+        """Return whether a row has a node at a flank that its own blade, or no blade, has cut.
 
         segment : of the blade.
         """
@@ -55,12 +55,10 @@ class OwnCuts:
             return False
         self._follow(state)
         own = self._corners.get(int(self.of_segment[segment]), set())
-        return not (own | self._corners[_NOBODY]).isdisjoint(halved)
+        return not (own.isdisjoint(halved) and self._corners[_NOBODY].isdisjoint(halved))
 
     def _follow(self, state: State) -> None:
         """Note the corners of the quads that have been cut since the last call."""
-        if self._n_known > len(state.split_log):  # a checkpoint has been loaded
-            self._n_known, self._corners = 0, {_NOBODY: set()}
         for record in state.split_log[self._n_known :]:
             rows = [row for row in record.rows if row >= 0]
             blade = int(self.of_chain[record.edge]) if record.edge >= 0 else _NOBODY
@@ -85,7 +83,8 @@ def blades(tool: Tool, length: float) -> Ints:
         chain[np.concatenate(close)],
     )
     a, b = (np.concatenate(pair) for pair in zip(at_vertex, near, strict=True))
-    return connected_parts(a, b, tool.n_chain + tool.n_vertex)[: tool.n_chain]
+    parts = connected_parts(a, b, tool.n_chain + tool.n_vertex)
+    return np.asarray(parts[: tool.n_chain], np.int64)
 
 
 def _gaps(point: Floats, segments: Floats) -> Floats:

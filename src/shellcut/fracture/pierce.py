@@ -101,16 +101,17 @@ class Pierce(Kept):
                 self._cut(state, begun, work)
 
     def idle_edge(self, state: State) -> tuple[int, float]:
-        """Return which edge that has cut nothing has pressed the hardest, and its load over F_p.
+        """Return which edge of a blade that has cut nothing pressed the hardest, and its load.
 
-        -1 if all edges have cut.
+        Over F_p; -1 if none has pressed.
         """
         if self._pressed is None:
             return -1, 0.0
         loads = self._pressed.largest_loads()
-        loads[[record.edge for record in state.split_log if record.edge >= 0]] = -1.0
+        cut = [record.edge for record in state.split_log if record.edge >= 0]
+        loads[np.isin(self._own.of_chain, self._own.of_chain[cut])] = 0.0
         edge = int(np.argmax(loads))
-        return (edge, float(loads[edge])) if loads[edge] >= 0.0 else (-1, 0.0)
+        return (edge, float(loads[edge])) if loads[edge] > 0.0 else (-1, 0.0)
 
     def _cut(self, state: State, begun: Begun, work: float) -> None:
         """Cut a quad along the first chord that does so, and note how whole film was pierced."""

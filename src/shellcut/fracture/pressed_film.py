@@ -130,7 +130,7 @@ class PressedFilm(Kept):
         measure = delay = impact = 0.0
         if self._places.force[k] < np.inf:
             mean = self._means.mean(k)
-            measure, delay = mean / self._carried(state, row, here, k), self._means.delay(k)
+            measure, delay = mean / self._carried(state, row, here, k, mean), self._means.delay(k)
             impact = on_tip - mean
         if self._places.lies[k]:
             across = self._across(state, pose, row, segment) / self._limits.strength
@@ -173,13 +173,15 @@ class PressedFilm(Kept):
                 clear.append(start)
         return clear
 
-    def _carried(self, state: State, row: int, here: Floats, k: int) -> float:
+    def _carried(self, state: State, row: int, here: Floats, k: int, mean: float) -> float:
         """Return the force that pierces a row under point k of the tool [N].
 
-        here : place of the point, shape (3,) [mm].
+        here : place of the point, shape (3,) [mm].  mean : force on it [N]; one that pierces at no
+        tension asks for none.
         """
         force, limits = float(self._places.force[k]), self._limits
-        if limits.own is not None or not self._means.is_due(k):
+        least_force = limits.puncture.force_left(force, 1.0, 0.0)
+        if limits.own is not None or mean < least_force or not self._means.is_due(k):
             return force
         ring = _RING * limits.puncture.length + float(self._places.width[k])
         most, least = tension_around(self._shell, state, row, here, ring)

@@ -63,7 +63,7 @@ class PressingTips(Kept):
         Of the sheet under a point [N·s/mm].
     """
 
-    kept_names = "_of_point", "_step"
+    kept_names = "_of_point", "_step", "_passed"
 
     def __init__(
         self, points: PointContact, motion: Motion, limits: Floats, impedance: float

@@ -18,7 +18,7 @@ from shellcut.contact.sheet_contact import felt_nodes
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
 
-_RINGS = 2
+_RINGS = 3
 """Quads around cracks, supports and tool that are left out."""
 
 
@@ -45,17 +45,18 @@ class Overstress:
 
     def _left_out(self) -> Ints:
         """Return the nodes of the mesh at cracks, supports and tool."""
-        sim, n = self._sim, self._sim.state.node
+        sim, state = self._sim, self._sim.state
+        n = state.node
         at = n.halved | n.supported | (n.contact_depth > 0.0)
-        at[felt_nodes(sim.terms)] = True
+        at[felt_nodes(sim.terms)] = at[sim.terms.fixed_nodes(state)] = True
         if sim.cracks is not None:
-            at[sim.cracks.nodes_at_tips(sim.state)] = True
+            at[sim.cracks.nodes_at_tips(state)] = True
         return np.unique(n.origin[: n.count][at[: n.count]])
 
     def _around(self, nodes: Ints) -> Bools:
         """Return which quads of the mesh are around some of its nodes, shape (n_quad,)."""
         quads, marked = self._sim.mesh.quads, np.zeros(self._sim.mesh.n_node, np.bool_)
         marked[nodes] = True
-        for _ in range(_RINGS):
+        for _ in range(_RINGS - 1):
             marked[quads[marked[quads].any(axis=1)]] = True
         return np.asarray(marked[quads].any(axis=1))

@@ -428,7 +428,7 @@ class Recorder:
             unfelt=Unfelt(self._schedule.largest_unfelt, self._schedule.largest_unfelt_edge),
         )
         figures |= cut_evidence(self._sim, self._check.sweep)
-        if self._sim.law is not None:
+        if self._sim.law is not None and isfinite(self._schedule.lasting_stress):
             figures["overstress_rel"] = self._schedule.lasting_stress
         figures["share_done"] = min(self._sim.state.time / self._until, 1.0)
         if not self._sim.between_steps:

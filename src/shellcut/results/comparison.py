@@ -20,6 +20,7 @@ import numpy as np
 from shellcut.arrays import Floats
 from shellcut.files.whole_file import write_text
 from shellcut.numerics.broken_line import BrokenLine
+from shellcut.state import PUNCTURE
 from shellcut.unit import after, conversion, dimension, shown
 from shellcut.unit import with_unit as said
 from shellcut.view import Curve, Diagram, draw_curves
@@ -426,8 +427,8 @@ def _work_over(x_unit: str, y_unit: str) -> tuple[float, str]:
 
 def _pierced_at(results: Results, x: str, a: float, b: float) -> Floats:
     """Return where an edge first pierces the film, shape (1,); nan if it does not in [a, b]."""
-    of_edge = results.splits.get("edge", np.zeros(0)) > 0
-    then = results.splits["time"][of_edge][:1] if of_edge.any() else np.array([np.nan])
+    pierces = results.splits.get("kind", np.zeros(0, str)) == PUNCTURE
+    then = results.splits["time"][pierces][:1] if pierces.any() else np.array([np.nan])
     at = np.interp(then, results.history["time"], results.history[x])
     return np.where((at >= a) & (at <= b), at, np.nan)
 

@@ -205,9 +205,9 @@ def driving_work(entries: Mapping[str, Energy]) -> Energy:
 
 
 def put_through(entries: Mapping[str, Energy]) -> Energy:
-    """Return all energy that has been put into the film or taken out of it.
+    """Return the magnitudes of what has been put into the film so far, or taken out, together.
 
-    It is the sum of what tool and supports, loads and the start have put in, without signs. The
+    They are those of tool and supports, of the loads and of the start. The
     error of the energy balance is relative to it. Tool and supports count together: what both do
     in a film that moves on with its tool depends on the axes only.
     """
@@ -223,19 +223,22 @@ def energy_put_in(history: Mapping[str, Floats]) -> Floats:
 def cut_work(history: Mapping[str, Floats]) -> tuple[Floats, int]:
     """Return the work of the cut up to each row, shape (n_row,), and the row before it begins.
 
-    It is the work of the tool, as seen from the film, or what the laws have dissipated since the
-    tool began to work, whichever is larger; of both the largest so far. A tool that does no work
-    but round-off rests: then that of the supports takes its place, or else that of the loads.
-    Without a tool only that of the supports does.
+    It is the work of the tool, as seen from the film, or what cables, material, glue and friction
+    have absorbed since the tool began to work, whichever is larger; of both the largest so far. A
+    tool that does no work but round-off rests: then that of the supports takes its place, or else
+    that of the loads. Without a tool only that of the supports does.
     """
-    moved = TOOL_WORK_IN_FILM, "tool_work", "support_work"
+    tool = TOOL_WORK_IN_FILM if TOOL_WORK_IN_FILM in history else "tool_work"
+    moved = tool, "support_work"
     names = (*moved, "load_work") if "deepest_penetration" in history else moved
     least = _ROUND_OFF * energy_put_in(history)
     works = (np.abs(history[name]) for name in names if name in history)
     work = next((one for one in works if (one > least).any()), np.zeros(len(least)))
     done, asked = work > least, total(ASKED_FOR, history)
-    begin = max(int(np.argmax(done)) - 1, 0)
-    return _so_far(np.where(done.any(), np.maximum(work, asked - asked[begin]), 0.0)), begin
+    begin = max(int(np.argmax(done)) - 1, 0) if done.any() else 0
+    if not done.any():
+        return np.zeros(len(least)), begin
+    return _so_far(np.maximum(work, asked - asked[begin])), begin
 
 
 def _so_far(energy: Floats) -> Floats:

@@ -237,8 +237,11 @@ def _speed(figures: Figures) -> Iterator[Line]:
         bad, remedy = "The motion is too fast, so that inertia", _remedies(figures, *_SLOWER)
         tool, supports, loads = (figures.get(f"{part.name}_Nmm", 0.0) for part in PUT_IN[:3])
         if abs(loads) > abs(tool + supports):
-            bad = "Loads move or tear the film so fast that its inertia"
-            remedy = " Use loads that grow more slowly, if they do not tear the film by themselves."
+            bad = "The motion or the loads change too fast, so that inertia"
+            remedy += (
+                " Let the loads grow more slowly; if they tear the film by themselves, it moves "
+                "fast whatever you do."
+            )
         if figures.get("options", {}).get("unheld"):
             bad, remedy = "The film, or a piece of it, is not supported, so that its inertia", ""
         yield _judged(
@@ -361,7 +364,7 @@ def _where_nothing_was_cut(figures: Figures) -> Iterator[Line]:
         yield Line(
             "doubt",
             "The film would have torn where it has no notch: its stress stayed at "
-            f"{_beside(stress, STRESS_LIMIT)} times the strength, at more than two quads from "
+            f"{_beside(stress, STRESS_LIMIT)} times the strength, at more than three quads from "
             f"cracks, supports and tool (limit {STRESS_LIMIT:g}). The run begins no crack there, "
             "and what follows is not what the film would do. Cut a notch where it tears.",
         )
@@ -371,7 +374,7 @@ def _where_nothing_was_cut(figures: Figures) -> Iterator[Line]:
             "doubt",
             f"Cutting edge {figures['idle_edge']:.0f} has cut nothing, though it pressed with "
             f"{_beside(load, IDLE_LIMIT)} times the force that pierces the film (limit "
-            f"{IDLE_LIMIT:g}): an edge pierces no quad that another one has cut. "
+            f"{IDLE_LIMIT:g}): another edge has cut the quad below it, or film beside it. "
             "Force and work are wrong." + _remedies(figures, "finer"),
         )
 
@@ -528,7 +531,7 @@ def _window(figures: Figures) -> Iterator[Line]:
         "In the steady window force or torque is that of cables, film and friction",
         "In the steady window force or torque is not that of cables, film and friction alone: "
         "vibration, damping and contact carry part of it",
-        f"all else took {_of_cut(other, OTHER_LIMIT)}",
+        f"all else took {_percent(other, OTHER_LIMIT)} of the work in that window",
         _percent(OTHER_LIMIT),
         _remedies(figures, "shorter sides", *_SLOWER, "damping"),
     )

@@ -130,7 +130,7 @@ class StabilityGuard:
         return max(self.balance.largest, self._one_edge)
 
     def imbalance(self, book: Ledger) -> float | None:
-        """Return what the energy balance misses over the energy put in, None while it is little."""
+        """Return the imbalance over the energy put in, None while that is too little."""
         is_enough = book.put_through >= self.balance.least
         return book.relative(book.imbalance) if is_enough else None
 

@@ -101,10 +101,10 @@ class Ledger:
 
     @property
     def put_through(self) -> float:
-        """All energy that has been put into the film or taken out of it."""
+        """Magnitudes of what has been put into the film so far, or taken out, together."""
         return float(put_through(vars(self)))
 
     def relative(self, energy: float) -> float:
-        """Return an energy relative to all that has been put in or taken out."""
+        """Return an energy relative to :attr:`put_through`."""
         scale = self.put_through
         return energy / scale if scale > 0 else 0.0

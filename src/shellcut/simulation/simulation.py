@@ -275,9 +275,9 @@ class Simulation:
 
     @property
     def imbalance(self) -> float | None:
-        """What the energy balance misses over the work put in [-].
+        """What the energy balance misses over the energy put in [-].
 
-        None while there is too little work to compare with, and after a step that is not complete.
+        None while that is too little to compare with, and after a step that is not complete.
         """
         return self._guard.imbalance(self.ledger) if self._between_steps else None
 
