@@ -27,6 +27,8 @@ class OwnCuts:
 
     Parameters
     ----------
+    state : State
+        Before the first cut; notches of the mesh may be in it.
     tool : Tool
         Whose edges cut.
     bending_length : float
@@ -35,14 +37,16 @@ class OwnCuts:
         Of the film.
     """
 
-    def __init__(self, tool: Tool, bending_length: float, mesh_quads: Ints) -> None:
+    def __init__(self, state: State, tool: Tool, bending_length: float, mesh_quads: Ints) -> None:
         self.of_chain = blades(tool, bending_length)
         """Blade of each cutting edge, shape (n_chain,)."""
         self.of_segment = self.of_chain[tool.edge_chain]
         """Blade of each segment of them, shape (n_edge,)."""
         self._mesh_quads = mesh_quads
         self._n_known = 0
-        self._corners: dict[int, set[int]] = {_NOBODY: set()}
+        # Of the quads that each blade, or no blade, has cut.
+        notched = state.node.origin[state.node.halved].tolist()
+        self._corners: dict[int, set[int]] = {_NOBODY: set(notched)}
 
     def at_own_flank(self, state: State, row: int, segment: int) -> bool:
         """Return whether a row has a node at a flank that its own blade, or no blade, has cut.
@@ -62,7 +66,7 @@ class OwnCuts:
         for record in state.split_log[self._n_known :]:
             rows = [row for row in record.rows if row >= 0]
             blade = int(self.of_chain[record.edge]) if record.edge >= 0 else _NOBODY
-            corners = self._mesh_quads[state.quad.parent[rows]]
+            corners = state.node.origin[self._mesh_quads[state.quad.parent[rows]]]
             self._corners.setdefault(blade, set()).update(corners.ravel().tolist())
         self._n_known = len(state.split_log)
 

@@ -68,7 +68,7 @@ class Pierce(Kept):
     ) -> None:
         self._growth, self._chain = growth, tool.edge_chain
         film, edges = growth.path.film, drive.edges
-        self._own = own = OwnCuts(tool, limits.puncture.length, shell.mesh_quads)
+        self._own = own = OwnCuts(state, tool, limits.puncture.length, shell.mesh_quads)
         self._chords = BladeChords(growth.path, drive)
         self._entered = EnteredFilm(
             state, film, shell, edges, tool.edge_chain, own.of_chain, everywhere=points is None
