@@ -72,8 +72,10 @@ def tension_around(
 
 def _shares_of_turn(out: Floats, normal: Floats) -> Floats:
     """Return which part of a turn about a normal belongs to each direction : (n, 3), shape (n,)."""
-    first = unit(out[0] - product(out[0], unit(normal)) * unit(normal))
-    angle = np.arctan2(product(out, np.cross(unit(normal), first)), product(out, first))
+    t = unit(normal)
+    first = unit(out[0] - product(out[0], t) * t)
+    along, across = product(out, first).tolist(), product(out, np.cross(t, first)).tolist()
+    angle = np.array([math.atan2(y, x) for x, y in zip(along, across, strict=True)])
     order = np.argsort(angle, kind="stable")
     gaps = np.diff(angle[order], append=angle[order[0]] + 2.0 * np.pi) / (2.0 * np.pi)
     share = np.empty(len(out))

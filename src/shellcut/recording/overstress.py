@@ -51,7 +51,8 @@ class Overstress:
         at[felt_nodes(sim.terms)] = at[sim.terms.fixed_nodes(state)] = True
         if sim.cracks is not None:
             at[sim.cracks.nodes_at_tips(state)] = True
-        return np.unique(n.origin[: n.count][at[: n.count]])
+        nodes = np.unique(n.origin[: n.count][at[: n.count]])
+        return np.asarray(nodes[nodes < sim.mesh.n_node])  # a point on a flank is none of the mesh
 
     def _around(self, nodes: Ints) -> Bools:
         """Return which quads of the mesh are around some of its nodes, shape (n_quad,)."""
