@@ -23,7 +23,8 @@ from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
 
-# Part of a turn that one quad of a closed ring may take.
+# Part of a turn that one quad of a closed ring may take. Beside a gap of more than a quarter of a
+# turn it takes more, and part of the tip's own tension would count as that of the film.
 _WIDEST = 0.15
 
 
