@@ -1,8 +1,9 @@
 """Break one line of the method at a time, and see whether a test fails.
 
 ``python tests/mutants.py r.jsonl`` draws mutants of the rooms below at random, the same for the
-same ``--seed``. It writes each into a copy of the tree, runs the tests of its room there until one
-fails, and adds a line to ``r.jsonl``, with the test that killed it, or none. It leaves out what
+same ``--seed``. It writes each into a copy of the tree, runs there the published digests and then
+the tests of its room until one fails, and adds a line to ``r.jsonl``, with the test that killed it,
+or none. It leaves out what
 ``r.jsonl`` has, so it goes on where it was stopped. ``--list`` only shows the draw. ``--again``
 runs those that survived once more, as after new tests; ``--tests FILE ...`` names the tests.
 
@@ -33,7 +34,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 ID = "place", "column", "line", "was", "is"  # what tells mutants apart in the record
 SMALLEST = 1e-6
-WHOLE = "tests/unit/test_friction.py"  # passes in the copy, or no mutant is tried
+DIGESTS = "tests/regression/test_same_bits.py::test_the_published_digests"
+"""Come first: they take seconds and notice any change of a bit in what their runs reach."""
 CPU_SECONDS = 900  # what runs longer is in an endless loop
 KINDS = "unit", "verification", "regression"  # folders of tests
 EXAMPLES = ["tests/unit/test_doctests.py"]
@@ -267,8 +269,8 @@ class Copy:
         (numerics / "mutant.py").write_text(_STAMP)
         self._now = numerics / "mutant.json"
         self.good.mkdir(parents=True, exist_ok=True)
-        if failed := self.run([WHOLE]):
-            raise SystemExit(f"{WHOLE} must pass in the copy without a mutant, got {failed}")
+        if failed := self.run([]):
+            raise SystemExit(f"{DIGESTS} must pass in the copy without a mutant, got {failed}")
 
     def _change(self, file, *changes):
         text = file.read_text()
@@ -293,6 +295,14 @@ class Copy:
         shutil.rmtree(self.own, ignore_errors=True)
         shutil.copytree(self.good, self.own, copy_function=os.link)
         own = {"NUMBA_CACHE_DIR": str(self.own), "PYTHONPATH": str(self.tree / "src")}
+        failed = self._failed([DIGESTS], own) or (self._failed(tests, own) if tests else "")
+        self._keep_kernels(mutant.encode())
+        if name:
+            shutil.copy2(ROOT / name, self.tree / name)
+        return failed
+
+    def _failed(self, tests, own):
+        """Return the first of some tests that fails, empty if none does."""
         command = "-m pytest -x -n 0 -p no:cacheprovider --no-header --tb=line"
         done = subprocess.run(
             [sys.executable, *command.split(), *tests],
@@ -302,9 +312,6 @@ class Copy:
             text=True,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (CPU_SECONDS, CPU_SECONDS)),
         )
-        self._keep_kernels(mutant.encode())
-        if name:
-            shutil.copy2(ROOT / name, self.tree / name)
         if done.returncode == 0:
             return ""
         named = re.findall(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)

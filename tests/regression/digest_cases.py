@@ -1,4 +1,4 @@
-"""Ten short runs whose digests are in docs/same-bits.md; without names, write its table anew.
+"""Short runs whose digests are in docs/same-bits.md; without names, write its table anew.
 
 ``python tests/regression/digest_cases.py [NAME ...]`` prints the digests of some of them as JSON.
 """
@@ -13,6 +13,7 @@ from pathlib import Path
 import shellcut
 
 PAGE = Path(__file__).parents[2] / "docs" / "same-bits.md"
+FILES = Path(__file__).with_name("digests")
 
 _SHORT = {"membrane.length": "12 mm", "membrane.width": "6.4 mm", "travel": "4 mm"}
 _TORN = {"membrane.length": "14 mm", "travel": "4 mm"}
@@ -46,47 +47,26 @@ CASES = {
         },
     ),
     "disc": ("disc.toml", {}),
+    "pierced": ("pierced.toml", {}),
+    "moved": ("moved.toml", {}),
+    "laminate": ("laminate.toml", {}),
 }
-"""Model, or the file below, and the keys that differ from it."""
-
-DISC = """model = "free"
-threads = 2
-[membrane]
-radius = "8 mm"
-n_side = 8
-clamp = "rim"
-[tool]
-kind = "blade"
-edge_angle_deg = 60
-length = "3 mm"
-shift = [-3.0, 0.0, 3.1]
-[motion]
-direction = [1, 0, -0.3]
-speed = "6 m/s"
-ramp = "0.1 ms"
-duration = "0.9 ms"
-[contact]
-self_contact = true
-"""
-
+"""Model, or a file of the folder beside this, and the keys that differ from it."""
 
 OPTIONS = {"n_frame": 2, "n_snapshot": 0, "curves": False, "progress": False}
 
 
-def model_of(name, folder):
-    """Read the model of a case; its file, if it has one, is written to the folder."""
+def model_of(name):
+    """Read the model of a case."""
     from shellcut import read_model
 
     model, keys = CASES[name]
-    if model.endswith(".toml"):
-        (folder / model).write_text(DISC)
-        model = folder / model
-    return read_model(model, keys)
+    return read_model(FILES / model if model.endswith(".toml") else model, keys)
 
 
 def digest_of(name, folder):
     """Run a case, or go on with the one in the folder; return digest, steps, number of splits."""
-    case, out = model_of(name, folder).build(), folder / "out"
+    case, out = model_of(name).build(), folder / "out"
     case.run(out, resume=out.exists(), **OPTIONS)
     summary = json.loads((out / "summary.json").read_text())
     return summary["digest"], summary["n_step"], len(case.simulation.state.split_log)

@@ -1,5 +1,6 @@
 """The same bits from every process: other instructions, other order of compilation, a restart."""
 
+import functools
 import json
 import os
 import subprocess
@@ -14,7 +15,8 @@ from digest_cases import CASES, OPTIONS, digest_of, digests_of, model_of, publis
 from shellcut.recording.recorder import Recorder
 from shellcut.simulation.hooks import StopWhen
 
-QUICK = ["opening on M1", "through quads", "trouser", "disc"]
+# With these a mutant is tried first (tests/mutants.py), so the shortest come first.
+QUICK = ["laminate", "through quads", "pierced", "trouser", "opening on M1", "moved", "disc"]
 
 OTHER_SUM = """
 import builtins, math, runpy, sys
@@ -46,23 +48,30 @@ def of_level_three():
     return {"NPY_DISABLE_CPU_FEATURES": " ".join(beyond)}
 
 
-@pytest.fixture(scope="module")
-def here():
-    return digests_of(QUICK)
+@functools.cache
+def here(name):
+    """Return digest, steps and splits of a case, run in this process once."""
+    return digests_of([name])[name]
 
 
-def test_numpy_without_the_instructions_of_newer_processors(here):
-    assert all(n_split for _, _, n_split in here.values())
-    assert elsewhere(QUICK, **of_level_three()) == here
+@pytest.mark.parametrize("name", QUICK)
+def test_the_published_digests(name):
+    check_published({name: here(name)})
 
 
-def test_a_run_on_two_threads_that_was_stopped_and_resumed_on_one(here, tmp_path):
-    case = model_of("through quads", tmp_path).with_threads(2).build()
+def test_numpy_without_the_instructions_of_newer_processors():
+    runs = {name: here(name) for name in QUICK}
+    assert all(n_split for _, _, n_split in runs.values())
+    assert elsewhere(QUICK, **of_level_three()) == runs
+
+
+def test_a_run_on_two_threads_that_was_stopped_and_resumed_on_one(tmp_path):
+    case = model_of("through quads").with_threads(2).build()
     sim = case.simulation
     made = Recorder(sim, tmp_path / "out", until=case.duration, name=case.name, **OPTIONS)
     with closing(made) as record:
         sim.run(case.duration, [record, StopWhen(lambda: sim.state.step >= 3000)])
-    assert digest_of("through quads", tmp_path) == here["through quads"]
+    assert digest_of("through quads", tmp_path) == here("through quads")
 
 
 def check_published(found):
@@ -75,18 +84,14 @@ def check_published(found):
     )
 
 
-def test_the_published_digests(here):
-    check_published(here)
-
-
 @pytest.mark.slow
 def test_kernels_of_level_three_and_a_cache_that_is_partly_filled(tmp_path):
-    here = digests_of(CASES)
-    check_published(here)
+    found = digests_of(CASES)
+    check_published(found)
     level = {"NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""} | of_level_three()
     level["NUMBA_CACHE_DIR"] = str(tmp_path)
     elsewhere(["trouser"], **level)  # fills a part
-    assert elsewhere(CASES, **level) == here
+    assert elsewhere(CASES, **level) == found
 
 
 @pytest.mark.slow

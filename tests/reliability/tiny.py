@@ -10,7 +10,7 @@ import tempfile
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
-from digest_cases import CASES, DISC
+from digest_cases import CASES, FILES
 from same_run import assert_same_run
 from tiny_study import SETTINGS, in_words
 
@@ -33,10 +33,8 @@ SHORT = {
 def model(name):
     """Return the words of a model and its keys."""
     file, keys = CASES[name]
-    path = folder() / file
     if file.endswith(".toml"):
-        path.write_text(DISC)
-        file = str(path)
+        file = str(FILES / file)
     own = {} if name in ("guillotine", "through quads") else keys
     return [file, *in_words(own | RECORDS | SHORT[name])]
 

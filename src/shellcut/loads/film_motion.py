@@ -25,7 +25,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from shellcut.arrays import Floats, Ints, norm, product
+from shellcut.arrays import cross as row_cross
+from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.small_matrices import symmetric_eigen
+from shellcut.numerics.vec3 import add, add_scaled, combine, cross, scale, store
+from shellcut.numerics.vec3 import norm as norm_of
 from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
@@ -71,6 +75,7 @@ class FilmMotion:
         self._along, self._axes = np.eye(3)[axes], axes
         self._prescribed = np.zeros((n, 3))
         self._solved: tuple[Floats, _LeastSquares] | None = None
+        self._move = BoundOnce(move)
         self._start(state.node.x[:n][self._nodes], 1.0)
 
     @classmethod
@@ -107,12 +112,18 @@ class FilmMotion:
         while len(self._twists) <= k:
             pose, at = self._poses[-1], len(self._twists) * self.tick
             half = 0.5 * self.tick
-            middle = _moved(pose, *self._fit(at, pose)[:2], half)
+            middle = self._moved(pose, *self._fit(at, pose)[:2], half)
             spin, velocity, _ = self._fit(at + half, middle)
-            velocity = velocity + np.cross(spin, pose.translation - middle.translation)
+            velocity = velocity + row_cross(spin, pose.translation - middle.translation)
             self._twists.append((spin, velocity))
-            self._poses.append(_moved(pose, spin, velocity, self.tick))
-        return _moved(self._poses[k], *self._twists[k], time - k * self.tick)
+            self._poses.append(self._moved(pose, spin, velocity, self.tick))
+        return self._moved(self._poses[k], *self._twists[k], time - k * self.tick)
+
+    def _moved(self, pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
+        """Return a pose moved on by a constant twist."""
+        after = np.empty((4, 3))
+        self._move(pose, spin, velocity, time, after)
+        return Pose(after[:3], after[3])
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of q [mm/s] at a time [s], (3,) each."""
@@ -128,7 +139,7 @@ class FilmMotion:
     def velocity_at(self, x: Floats, time: float) -> Floats:
         """Return the velocity of the film, were it rigid, at places (n, 3), shape (n, 3) [mm/s]."""
         spin, velocity = self.twist(time)
-        return np.asarray(velocity + np.cross(spin, x - self.pose(time).translation))
+        return np.asarray(velocity + row_cross(spin, x - self.pose(time).translation))
 
     def kinetic(self, state: State, kinetic: float) -> float:
         """Return the kinetic energy as seen from the film [N·mm].
@@ -157,7 +168,7 @@ class FilmMotion:
         turns = float(np.abs(found[3:]).max()) > _ROUND_OFF * float(np.abs(wanted).max())
         spin = found[3:] / solved.size if turns else np.zeros(3)
         place = product(pose.rotation, self._X.mean(axis=0)) + pose.translation
-        velocity = found[:3] + np.cross(spin, pose.translation - place)
+        velocity = found[:3] + row_cross(spin, pose.translation - place)
         return spin, velocity, (off, float(np.abs(wanted).max()))
 
     def _least_squares(self, rotation: Floats) -> _LeastSquares:
@@ -166,7 +177,7 @@ class FilmMotion:
             arm = product(self._X - self._X.mean(axis=0), rotation.T)
             size = max(float(np.abs(arm).max()), np.finfo(float).tiny)
             # By axis: along . (velocity + spin x arm) = rate, the spin times the size.
-            share = np.hstack([self._along, np.cross(arm / size, self._along)])
+            share = np.hstack([self._along, row_cross(arm / size, self._along)])
             squares, modes = symmetric_eigen(product(share.T, share))
             determined = squares > _DETERMINED * squares[-1]
             inverse = product(
@@ -220,7 +231,7 @@ class SeenFromFilm:
         arm = pose_at(self._motion, time).translation - self._film.pose(time).translation
         of_film, moving = self._film.twist(time)
         back = self._film.pose(time).rotation.T
-        rate = velocity - moving - np.cross(of_film, arm)
+        rate = velocity - moving - row_cross(of_film, arm)
         return product(back, spin - of_film), product(back, rate)
 
     @property
@@ -266,12 +277,14 @@ def in_film(film: FilmMotion | None, motion: Motion, until: float) -> Motion:
     return motion if film is None else SeenFromFilm(film, motion, until)
 
 
-def _moved(pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
-    """Return a pose moved on by a constant twist: spin and velocity at its translation."""
-    a0, a1, a2 = (time * spin).tolist()
-    if a0 == a1 == a2 == 0.0:
-        return Pose(pose.rotation, pose.translation + time * velocity)
-    angle = float(norm(time * spin))
+@kernel
+def move(before: Pose, spin: Floats, velocity: Floats, time: float, after: Floats) -> None:
+    """Write a pose moved on by a constant twist: spin and velocity at its translation, (3,) each.
+
+    after : (4, 3), rows of the rotation, then the translation.
+    """
+    a = scale(time, (spin[0], spin[1], spin[2]))
+    angle = norm_of(a)
     if angle < _SMALL_ANGLE:
         s, k = 1.0 - angle * angle / 6.0, 0.5 - angle * angle / 24.0
         third = 1.0 / 6.0 - angle * angle / 120.0
@@ -279,9 +292,14 @@ def _moved(pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
         half = sin(0.5 * angle) / angle
         s, k = sin(angle) / angle, 2.0 * half * half
         third = (1.0 - s) / (angle * angle)
-    cross = np.array([[0.0, -a2, a1], [a2, 0.0, -a0], [-a1, a0, 0.0]])
-    # exp and its integral over the time, for [a]^2 = a a^T - angle^2
-    square = product(cross, cross)
-    turn = np.eye(3) + s * cross + k * square
-    shift = time * (velocity + k * product(cross, velocity) + third * product(square, velocity))
-    return Pose(product(turn, pose.rotation), pose.translation + shift)
+    R, r = before
+    # exp(ã) b = b + s a x b + k a x (a x b) for each axis b, and the integral over the time
+    for c in range(3):
+        b = R[0, c], R[1, c], R[2, c]
+        across = cross(a, b)
+        turned = add(b, combine(s, across, k, cross(a, across)))
+        after[0, c], after[1, c], after[2, c] = turned
+    v = velocity[0], velocity[1], velocity[2]
+    across = cross(a, v)
+    shift = add(v, combine(k, across, third, cross(a, across)))
+    store(after, 3, add_scaled((r[0], r[1], r[2]), time, shift))

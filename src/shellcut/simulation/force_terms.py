@@ -14,15 +14,17 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, product
-from shellcut.loads.film_motion import FilmMotion, SeenFromFilm
+from shellcut.arrays import Floats, Ints
+from shellcut.loads.film_motion import FilmMotion
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.table_address import TableWriter
+from shellcut.numerics.vec3 import add, add_scaled, cross, dot, norm, scale, sub
 from shellcut.state import State
 from shellcut.tool.force_term import ForceTerm
 from shellcut.tool.motion import Motion
-from shellcut.tool.pose import Pose, small_turn
+from shellcut.tool.pose import Pose, to_body, turn_back
+from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.touch import ON_TOOL, Booking
 
 from .ledger import Ledger
@@ -53,8 +55,8 @@ class ForceTerms:
     def __init__(
         self, terms: Sequence[ForceTerm], motion: Motion | None, film: FilmMotion | None = None
     ) -> None:
-        self._terms, self._motion, self._film = tuple(terms), motion, film
-        self._seen = None if motion is None or film is None else SeenFromFilm(film, motion)
+        self._terms, self._motion = tuple(terms), motion
+        self._film = None if motion is None else film
         _check(self._terms)
         self._added = {term.name: _Added() for term in self._terms if not term.booked}
         """What the terms without ``booked`` have added to the nodal forces."""
@@ -69,7 +71,7 @@ class ForceTerms:
         # Rows: wrench of each term on the whole tool at t_{n-1}, of all together, and its integral
         # over the angle; if the film moves, that integral and the work as seen from the film.
         n_term = len(self._terms)
-        self._last = np.zeros((n_term + 2 + 2 * (self._seen is not None), 6))
+        self._last = np.zeros((n_term + 2 + 2 * (self._film is not None), 6))
         self._of_all, self._over_turn, self._in_film = np.split(self._last[n_term:], [1, 2])
         self._amounts = np.zeros(len(self._entries))
         self._book = TableWriter()(
@@ -86,6 +88,7 @@ class ForceTerms:
             )
         )
         self._work_on_tool, self._twist = BoundOnce(work_on_tool), np.zeros((2, 3))
+        self._work_in_film = BoundOnce(work_in_film)
 
     def __iter__(self) -> Iterator[ForceTerm]:
         return iter(self._terms)
@@ -129,7 +132,7 @@ class ForceTerms:
 
         As seen from a film that its supports move: over the angle there, in its axes and origin.
         """
-        return np.asarray((self._over_turn if self._seen is None else self._in_film)[0])
+        return np.asarray((self._over_turn if self._film is None else self._in_film)[0])
 
     @property
     def work_in_film(self) -> float:
@@ -146,29 +149,15 @@ class ForceTerms:
         tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
-        before = self._of_all[0].copy() if self._seen is not None else None
+        before = self._of_all[0].copy()
         ledger.tool_work -= self._work_on_tool.code(twist, pose.translation, tick, self._book)
-        if before is not None and tick > 0.0:
-            self._sum_in_film(0.5 * (before + self._of_all[0]), state.time, tick)
+        if self._film is not None and self._motion is not None and tick > 0.0:
+            mean, then = 0.5 * (before + self._of_all[0]), state.time - tick
+            film = map(self._film.pose, (then, state.time - 0.5 * tick, state.time))
+            self._work_in_film.code(mean, *film, pose_at(self._motion, then), pose, self._in_film)
         entries = vars(ledger)
         for entry, amount in zip(self._entries, self._amounts.tolist(), strict=True):
             entries[entry] += amount
-
-    def _sum_in_film(self, wrench: Floats, time: float, tick: float) -> None:
-        """Add the last step to the sums as seen from the film.
-
-        wrench : (6,), on the tool, mean over the step, in the world's axes about the body's origin.
-        """
-        assert self._film is not None
-        assert self._seen is not None
-        Q = self._film.pose(time - 0.5 * tick).rotation
-        force, moment = product(Q.T, wrench[:3]), product(Q.T, wrench[3:])
-        (R0, r0), (R1, r1) = self._seen.pose(time - tick), self._seen.pose(time)
-        vector = small_turn(R0, R1)  # to second order, as the sums are
-        angle, (over_turn, work) = float(norm(vector)), self._in_film
-        over_turn[:3] += angle * force
-        over_turn[3:] += angle * (moment + np.cross(0.5 * (r0 + r1), force))
-        work[0] += float(product(force, r1 - r0) + product(moment, vector))
 
     def saved(self) -> dict[str, Any]:
         """Return what the terms keep, by their names, and wrenches and forces of the last step."""
@@ -301,3 +290,38 @@ def work_on_tool(twist: Floats, origin: Floats, dt: float, book: WorkBook) -> fl
         done = works[k] if column == ON_TOOL else sums[k][column]
         amounts[row[i, 2]] += factor[i] * done
     return work
+
+
+@kernel
+def work_in_film(
+    wrench: Floats,
+    film_before: Pose,
+    film: Pose,
+    film_after: Pose,
+    before: Pose,
+    after: Pose,
+    sums: Floats,
+) -> None:
+    """Add a step to what is summed as seen from a film that its supports move.
+
+    wrench : (6,), on the tool, mean over the step, about the body's origin. film_before, film,
+    film_after : the film's poses at t_{n-1}, between and at t_n; before, after : the tool's. sums :
+    (2, 6): the wrench in the film's axes and about its origin, times the angle by which the tool
+    turns there; the work, first of the second row [N·mm].
+    """
+    force = turn_back((wrench[0], wrench[1], wrench[2]), film)
+    moment = turn_back((wrench[3], wrench[4], wrench[5]), film)
+    r, s = before.translation, after.translation
+    start, end = to_body((r[0], r[1], r[2]), film_before), to_body((s[0], s[1], s[2]), film_after)
+    vector = (0.0, 0.0, 0.0)  # of the turn, to second order, as the sums are
+    for c in range(3):
+        R, S = before.rotation, after.rotation
+        axis = turn_back((R[0, c], R[1, c], R[2, c]), film_before)
+        turned = turn_back((S[0, c], S[1, c], S[2, c]), film_after)
+        vector = add_scaled(vector, 0.5, cross(axis, turned))
+    angle, arm = norm(vector), scale(0.5, add(start, end))
+    about_origin = add(moment, cross(arm, force))
+    for c in range(3):
+        sums[0, c] += angle * force[c]
+        sums[0, 3 + c] += angle * about_origin[c]
+    sums[1, 0] += dot(force, sub(end, start)) + dot(moment, vector)
