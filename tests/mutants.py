@@ -13,8 +13,9 @@ docstring, an annotation, a message, an assertion or a check of input that ends 
 below 1e-6 stay: they guard against round-off, and one half as large again does as well. Signs stay
 within what gives the same for both, an absolute value, a norm or a square.
 
-A kernel is compiled anew if its module, or one that this imports, is changed. All others come from
-the cache of the copy without mutants, which the first run fills: the tests must pass there.
+A kernel is compiled anew if a function that it reaches is changed, or, where that cannot be seen, a
+module that its own imports. All others come from the cache of the copy without mutants, which the
+first run fills: the tests must pass there.
 """
 
 import argparse
@@ -187,17 +188,65 @@ def mutated(name, first, last, text):
 _STAMP = """
 import json
 from pathlib import Path
+from types import FunctionType
 
-from shellcut.numerics.source_digest import source_digest
+from shellcut.numerics.source_digest import _named_by, _plain, in_package, source_digest
 
 _NOW = json.loads(Path(__file__).with_name("mutant.json").read_text())
 
 
 def stamp_of(function, is_ours):
-    changed = not is_ours or function.__code__.co_filename in _NOW["reaching"]
+    reaches = function.__code__.co_filename in _NOW["reaching"]
+    changed = not is_ours or (reaches and _meets(function))
     return (_NOW["mutant"] if changed else "") + ("" if is_ours else source_digest(function))
+
+
+def _meets(function):
+    if _NOW["lines"] is None:
+        return True
+    first, last = _NOW["lines"]
+    found, waiting = set(), [function]
+    while waiting:
+        one = _plain(waiting.pop())
+        if not isinstance(one, FunctionType) or id(one) in found:
+            continue
+        found.add(id(one))
+        code = one.__code__
+        if code.co_filename == _NOW["file"] and first <= code.co_firstlineno <= last:
+            return True
+        if in_package(Path(code.co_filename)):
+            waiting += [value for _, value in _named_by(one)]
+    return False
 """
 _KEPT = ("src", "tests", "docs", "examples", "pyproject.toml", "README.md", "CHANGELOG.md")
+
+
+def lines_of(name, place):
+    """Return the lines of the function that has a place in a file [bytes], None if others count.
+
+    Laws are called by a table, and what is not in a function, or is called when a module is
+    imported, may be a value that kernels read.
+    """
+    source = (ROOT / name).read_bytes()
+    line = source[:place].count(b"\n") + 1
+    for one in ast.parse(source).body:
+        if isinstance(one, ast.FunctionDef) and one.lineno <= line <= one.end_lineno:
+            above = min([one.lineno, *(of.lineno for of in one.decorator_list)])
+            by_table = "material/" in name or one.name in called_by_modules()
+            return None if by_table else (above, one.end_lineno)
+    return None
+
+
+@cache
+def called_by_modules():
+    """Return the names of what is called when modules are imported."""
+    found = set()
+    for file in (ROOT / "src/shellcut").rglob("*.py"):
+        for one in ast.parse(file.read_text()).body:
+            if not isinstance(one, ast.FunctionDef | ast.ClassDef):
+                calls = (node.func for node in ast.walk(one) if isinstance(node, ast.Call))
+                found |= {getattr(func, "id", getattr(func, "attr", "")) for func in calls}
+    return found
 
 
 @cache
@@ -264,6 +313,14 @@ class Copy:
                 "from .mutant import stamp_of\nfrom .source_digest import",
             ),
         )
+        # Nor are laws others, though their digest covers every source.
+        self._change(
+            numerics / "source_digest.py",
+            (
+                "digest.update(path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes())",
+                "pass",
+            ),
+        )
         # Tests run in the order in which they are named.
         self._change(self.tree / "tests/conftest.py", ("items.sort(", "sorted(items, "))
         (numerics / "mutant.py").write_text(_STAMP)
@@ -282,14 +339,17 @@ class Copy:
 
     def run(self, tests, name="", *change):
         """Run tests with a mutant, or none: return the first that fails, empty if none does."""
-        mutant, reaching = f"{name}{change}" if name else "", []
+        mutant, reaching, lines = f"{name}{change}" if name else "", [], None
         if name:
+            lines = lines_of(name, change[0])
             (self.tree / name).write_text(mutated(name, *change))
             files = (ROOT / "src/shellcut").rglob("*.py")
             reaching = [one for one in files if reaches(one, ROOT / name)]
         state = {
             "mutant": mutant,
             "reaching": [str(self.tree / p.relative_to(ROOT)) for p in reaching],
+            "file": str(self.tree / name),
+            "lines": lines,
         }
         self._now.write_text(json.dumps(state))
         shutil.rmtree(self.own, ignore_errors=True)
