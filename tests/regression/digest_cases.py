@@ -7,10 +7,15 @@ import json
 import platform
 import sys
 import tempfile
+from contextlib import closing
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
+
+import random_cuts
 import shellcut
+from shellcut.recording.recorder import Recorder
 
 PAGE = Path(__file__).parents[2] / "docs" / "same-bits.md"
 FILES = Path(__file__).with_name("digests")
@@ -50,26 +55,49 @@ CASES = {
     "pierced": ("pierced.toml", {}),
     "moved": ("moved.toml", {}),
     "laminate": ("laminate.toml", {}),
+    "stress": (
+        "guillotine",
+        {
+            **_SHORT,
+            "travel": "3 mm",
+            "quasi_static": 0.008,
+            "criterion": "stress",
+            "equilibrium_start": True,
+            "edge_radius": "0.01 mm",
+            "cutting_energy": "20 N/mm",
+            "severing_pressure": "30 MPa",
+            "film_edges": True,
+            "self_contact": True,
+        },
+    ),
+    "crossing": ("random_cuts.py", {"kind": "crossing", "seed": 2}),
+    "tight": ("random_cuts.py", {"kind": "tight", "seed": 3}),
 }
-"""Model, or a file of the folder beside this, and the keys that differ from it."""
+"""Model, or a file of the folder ``digests``, and the keys that differ from it; or a random cut."""
 
 OPTIONS = {"n_frame": 2, "n_snapshot": 0, "curves": False, "progress": False}
 
 
 def model_of(name):
     """Read the model of a case."""
-    from shellcut import read_model
-
     model, keys = CASES[name]
-    return read_model(FILES / model if model.endswith(".toml") else model, keys)
+    return shellcut.read_model(FILES / model if model.endswith(".toml") else model, keys)
 
 
 def digest_of(name, folder):
     """Run a case, or go on with the one in the folder; return digest, steps, number of splits."""
-    case, out = model_of(name).build(), folder / "out"
-    case.run(out, resume=out.exists(), **OPTIONS)
+    out, (model, keys) = folder / "out", CASES[name]
+    if model == "random_cuts.py":
+        rng = np.random.default_rng(keys["seed"])
+        sim, until, *_ = random_cuts.KINDS[keys["kind"]](rng)
+        with closing(Recorder(sim, out, until=until, name=name, n_row=200, **OPTIONS)) as record:
+            sim.run(until, [record])
+    else:
+        case = model_of(name).build()
+        sim = case.simulation
+        case.run(out, resume=out.exists(), **OPTIONS)
     summary = json.loads((out / "summary.json").read_text())
-    return summary["digest"], summary["n_step"], len(case.simulation.state.split_log)
+    return summary["digest"], summary["n_step"], len(sim.state.split_log)
 
 
 def digests_of(names):
@@ -102,7 +130,8 @@ def _write_page():
     rows = ["| case | `shellcut run` | steps | splits | digest |", "|---|---|--:|--:|---|"]
     for name, (digest, n_step, n_split) in digests_of(CASES).items():
         model, keys = CASES[name]
-        settings = " ".join(f"--set {key}={json.dumps(value)}" for key, value in keys.items())
+        form = "{}={}" if model == "random_cuts.py" else "--set {}={}"
+        settings = " ".join(form.format(key, json.dumps(value)) for key, value in keys.items())
         command = f"{model} {settings}".strip()
         rows.append(f"| {name} | `{command}` | {n_step:,} | {n_split} | `{digest[:16]}` |")
     head, _ = PAGE.read_text(encoding="utf-8").split("\nVersions: ")

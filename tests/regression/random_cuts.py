@@ -61,9 +61,11 @@ def led(path, heading, slow=0.25):
     It begins 1.2 mm before the path. heading : at each place [rad].  slow : way that a blade would
     move as it turns by one radian [mm].
     """
+    # Rounded: NumPy's functions differ in the last place from processor to processor.
+    path, heading = np.round(path, 9), np.round(heading, 9)
     steps = np.hypot(*np.diff(path, axis=0).T) + slow * np.abs(np.diff(heading))
-    time = (np.append(0.0, np.cumsum(steps)) + 1.2) / SPEED
-    ahead = np.array([np.cos(heading[0]), np.sin(heading[0]), 0.0])
+    time = np.round((np.append(0.0, np.cumsum(steps)) + 1.2) / SPEED, 12)
+    ahead = np.round([np.cos(heading[0]), np.sin(heading[0]), 0.0], 9)
     places = np.column_stack([path, np.zeros(len(path))])
     turns = np.column_stack([np.zeros((len(path), 2)), heading])
     motion = sc.TableMotion(
@@ -76,7 +78,7 @@ def led(path, heading, slow=0.25):
 
 def notch(sim, start, ahead):
     """Notch a film from outside to where a blade begins its path."""
-    start = np.array([*start, 0.0])
+    start = np.array([*np.round(start, 9), 0.0])
     sim.notch(start - 1.5 * ahead, start + 1.2 * ahead)
 
 
@@ -98,7 +100,8 @@ def bend(rng, *, curvature=(-0.12, 0.12), slits=0):
         at, side = path[rng.integers(14, 30)], rng.choice([-1.0, 1.0])
         slit = side * np.array([np.sin(across), np.cos(across)])
         rim = at - slit * (WIDTH / 2 + side * at[1] + 0.5) / slit[1] / side
-        sim.notch([*rim, 0.0], [*(at + rng.uniform(0.3, 2.0) * slit), 0.0])
+        end = at + rng.uniform(0.3, 2.0) * slit
+        sim.notch([*np.round(rim, 9), 0.0], [*np.round(end, 9), 0.0])
     until = 0.9 * (1e-4 + way[-1] / SPEED)
     return RandomCut(sim, until, lambda places: _from_line(places, path))
 
