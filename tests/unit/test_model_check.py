@@ -286,6 +286,25 @@ def test_a_film_that_tears_on_by_itself_is_doubted():
     assert doubts(law=brittle(0.95), fracture=Fracture(puncture_force=0.4)) == []
 
 
+def test_a_pressure_under_which_no_film_is_flat_is_doubted():
+    """0.03 N_F theta / L of the sharp tip, over its force; of loads that act together."""
+    case = opening_test("quick")
+
+    def said(*loads, **own):
+        inputs = {**case.simulation.inputs, "loads": loads, **own}
+        findings = shellcut.check_model(shellcut.Simulation(**inputs), case.duration).findings
+        return [str(one) for one in findings if "bulges it" in str(one)]
+
+    film, law = ShellMaterial.homogeneous(), CohesiveLaw()
+    tension = law.strength * film.thickness
+    theta = (tension / film.stretching_stiffness) ** 0.5
+    flat = 0.03 * tension * theta / bending_length(film, law)
+    assert said(shellcut.Pressure(0.9 * flat)) == []
+    (one,) = said(shellcut.Pressure(-0.6 * flat), shellcut.Pressure(0.5 * flat, following=True))
+    assert f"up to {flat:.2g} MPa" in one
+    assert said(shellcut.Pressure(1.0), fracture=Fracture(puncture_force=0.4)) == []
+
+
 def test_a_film_soft_in_shear_is_doubted():
     film = ShellMaterial(
         [Layer(Elastic(e, 0.3, 1e-9), h) for e, h in ((7e4, 0.009), (200.0, 0.056), (7e4, 0.009))]

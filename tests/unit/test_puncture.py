@@ -1,6 +1,7 @@
 """The force at which a tip goes through whole film: the film around it, solved."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -18,11 +19,15 @@ OUTER = (9.0 / 16.0) ** (1.0 / 3.0)
 """Far out n = OUTER x^(-2/3) and t = 1/(n x): a membrane under a point load."""
 
 
-def _film(u, y):
-    """Föppl-von Kármán in u = ln x, for t, t', p and p'."""
+def _film(u, y, far=0.0, bow=0.0):
+    """Föppl-von Kármán in u = ln x, for t, t', p and p'.
+
+    t is the slope that the tip adds to that of a bulge, bow x, which a pressure holds.
+    """
     t, tu, p, pu = y
     x = np.exp(u)
-    return np.array([tu, t + x * p * t - x, pu, p - 0.5 * x * t * t])
+    held = bow * x * x * (p - far * x)  # of the tension that the tip adds
+    return np.array([tu, t + x * p * t + held - x, pu, p - 0.5 * x * t * t - bow * x * x * t])
 
 
 def _membrane(end):
@@ -53,6 +58,34 @@ def tension_under_point(far=0.0):
     found = solve_bvp(_film, ends, np.log(x), guess, tol=1e-8, max_nodes=200_000)
     assert found.status == 0
     return found.y[2, 0] / near
+
+
+def force_in_bulge(tension, measure):
+    """Return N_F over n(0) N under a point load on a film with a tension over N_F far away.
+
+    measure : p L / N_F theta of the pressure that bulges the film, negative against the load.
+    """
+    near, out = 1e-4, 60.0
+    u = np.linspace(np.log(near), np.log(out), 300)
+    x, n0 = np.exp(u), 0.5
+    p = np.maximum(tension * n0 * x, np.minimum(0.48 * x, OUTER * x ** (1.0 / 3.0)))
+    t = (1.0 - np.sqrt(0.5) * x * k1(np.sqrt(0.5) * x)) / (0.5 * x)
+    guess = np.array([t, np.gradient(t, u), p, np.gradient(p, u)])
+    part = np.linspace(0.0, 1.0, 5)[1:] if measure else [1.0]
+    for k in range(40):  # the load is given, so N is found with n(0) N = N_F
+        far, bow = tension * n0, part[min(k, len(part) - 1)] * measure / (2.0 * tension) * n0
+
+        def ends(a, b, far=far):
+            return np.array([a[1] - a[0] + 0.5 * near, a[3] - a[2], b[0], b[2] - far * out])
+
+        film = partial(_film, far=far, bow=bow)
+        solved = solve_bvp(film, ends, u, guess, tol=1e-5, max_nodes=100_000)
+        assert solved.status == 0
+        guess, found = solved.sol(u), solved.y[2, 0] / near
+        if k >= len(part) and abs(found - n0) < 1e-4:
+            return 1.0 / found
+        n0 = 0.5 * (n0 + found)
+    raise AssertionError(f"no N for {tension}, {measure}")
 
 
 def tension_under_ball(rho):
@@ -96,6 +129,19 @@ def test_tension_far_away_takes_from_the_force(far):
     slack = puncture_force(film, law)
     left = Puncture.of(film, law).force_left(slack, far / n0, far / n0) / slack
     assert 1.0 < CENTRE / n0 / left < 1.058
+
+
+@pytest.mark.parametrize("tension", [0.25, 0.6])
+def test_a_film_counts_as_flat_up_to_a_pressure(tension):
+    film, law = sc.ShellMaterial.homogeneous(), sc.CohesiveLaw()
+    part, most = Puncture.of(film, law), law.strength * film.thickness
+    theta = np.sqrt(most / film.stretching_stiffness)
+    measure = part.pressure(part.sharp) * part.length / (most * theta)
+    flat = force_in_bulge(tension, 0.0)
+    assert flat * CENTRE == pytest.approx(np.sqrt(1.0 - tension**2), rel=0.07)
+    assert 0.9 < force_in_bulge(tension, measure) / flat < 0.97
+    assert 1.05 < force_in_bulge(tension, -measure) / flat < 1.1
+    assert force_in_bulge(tension, -3.0 * measure) / flat > 1.2
 
 
 @pytest.mark.parametrize("rho", [0.3, 3.0, 8.0])

@@ -262,6 +262,11 @@ class Cracks:
         """Return :meth:`.Pierce.idle_edge`, -1 if no edge cuts."""
         return self._pierce.idle_edge(state) if self._blade_cuts else (-1, 0.0)
 
+    @property
+    def flat_pressure(self) -> float:
+        """Pressure up to which a film counts as flat where tips press it [MPa], inf if none do."""
+        return self._pierce.flat_pressure if self._blade_cuts else np.inf
+
     def saved(self) -> dict[str, Any]:
         """Return what has been cut, the tips, what is known of the edges, and a count."""
         return {

@@ -113,6 +113,11 @@ class Pierce(Kept):
         edge = int(np.argmax(loads))
         return (edge, float(loads[edge])) if loads[edge] > 0.0 else (-1, 0.0)
 
+    @property
+    def flat_pressure(self) -> float:
+        """Pressure up to which a film counts as flat where tips press it [MPa], inf if none do."""
+        return np.inf if self._pressed is None else self._pressed.flat_pressure()
+
     def _cut(self, state: State, begun: Begun, work: float) -> None:
         """Cut a quad along the first chord that does so, and note how whole film was pierced."""
         growth, pierced = self._growth, begun.pierced

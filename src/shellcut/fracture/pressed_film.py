@@ -87,6 +87,16 @@ class PressedFilm(Kept):
         self._places: PlaceLimits = limits.at_points(points.points, tool)
         self._means = PressingTips(points, motion, self._places.force, limits.puncture.impedance)
 
+    def flat_pressure(self) -> float:
+        """Return the pressure up to which the film counts as flat at all tips [MPa].
+
+        It is inf without tips, and where the user gives their force.
+        """
+        force = self._places.force[np.isfinite(self._places.force)]
+        if not force.size or self._limits.own is not None:
+            return np.inf
+        return self._limits.puncture.pressure(float(force.max()))
+
     def pierced_rows(self, state: State, pose: Pose, tips: DrivenTips) -> list[Begun]:
         """Return where a tip or an edge on the face of the film has reached what this carries.
 
