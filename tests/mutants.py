@@ -13,9 +13,10 @@ docstring, an annotation, a message, an assertion or a check of input that ends 
 below 1e-6 stay: they guard against round-off, and one half as large again does as well. Signs stay
 within what gives the same for both, an absolute value, a norm or a square.
 
-A kernel is compiled anew if a function that it reaches is changed, or, where that cannot be seen, a
-module that its own imports. All others come from the cache of the copy without mutants, which the
-first run fills: the tests must pass there.
+A kernel is compiled anew if it reaches the changed function. Where this cannot be seen (laws, and
+values made when a module is imported), it is compiled anew if its module imports the changed one.
+All others come from a cache without mutants. The first run, of the digests without a mutant, fills
+it and must pass.
 """
 
 import argparse
@@ -32,11 +33,16 @@ import time
 from functools import cache
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().with_name("regression")))
+
+import digest_cases
+
 ROOT = Path(__file__).resolve().parents[1]
+
 ID = "place", "column", "line", "was", "is"  # what tells mutants apart in the record
 SMALLEST = 1e-6
 DIGESTS = "tests/regression/test_same_bits.py::test_the_published_digests"
-"""Come first: they take seconds and notice any change of a bit in what their runs reach."""
+"""Come first: in half a minute they notice any change of a bit in what their runs reach."""
 CPU_SECONDS = 900  # what runs longer is in an endless loop
 KINDS = "unit", "verification", "regression"  # folders of tests
 EXAMPLES = ["tests/unit/test_doctests.py"]
@@ -222,15 +228,16 @@ _KEPT = ("src", "tests", "docs", "examples", "pyproject.toml", "README.md", "CHA
 
 
 def lines_of(name, place):
-    """Return the lines of the function that has a place in a file [bytes], None if others count.
+    """Return the first and last line of the function or class around a place in a file [bytes].
 
-    Laws are called by a table, and what is not in a function, or is called when a module is
-    imported, may be a value that kernels read.
+    None if kernels may depend on it without naming it: laws are called by a table, and what is in
+    neither, or is called when a module is imported, may make a value that kernels read.
     """
     source = (ROOT / name).read_bytes()
     line = source[:place].count(b"\n") + 1
     for one in ast.parse(source).body:
-        if isinstance(one, ast.FunctionDef) and one.lineno <= line <= one.end_lineno:
+        is_named = isinstance(one, ast.FunctionDef | ast.ClassDef)
+        if is_named and one.lineno <= line <= one.end_lineno:
             above = min([one.lineno, *(of.lineno for of in one.decorator_list)])
             by_table = "material/" in name or one.name in called_by_modules()
             return None if by_table else (above, one.end_lineno)
@@ -239,13 +246,21 @@ def lines_of(name, place):
 
 @cache
 def called_by_modules():
-    """Return the names of what is called when modules are imported."""
-    found = set()
+    """Return the names of what is called, directly or not, when modules are imported."""
+    found, by_name = set(), {}
     for file in (ROOT / "src/shellcut").rglob("*.py"):
         for one in ast.parse(file.read_text()).body:
-            if not isinstance(one, ast.FunctionDef | ast.ClassDef):
-                calls = (node.func for node in ast.walk(one) if isinstance(node, ast.Call))
-                found |= {getattr(func, "id", getattr(func, "attr", "")) for func in calls}
+            calls = [node.func for node in ast.walk(one) if isinstance(node, ast.Call)]
+            names = {func.id for func in calls if isinstance(func, ast.Name)}
+            if isinstance(one, ast.FunctionDef | ast.ClassDef):
+                by_name.setdefault(one.name, set()).update(names)
+            else:
+                found |= names
+    waiting = list(found)
+    while waiting:
+        more = by_name.get(waiting.pop(), set()) - found
+        found |= more
+        waiting += more
     return found
 
 
@@ -313,7 +328,8 @@ class Copy:
                 "from .mutant import stamp_of\nfrom .source_digest import",
             ),
         )
-        # Nor are laws others, though their digest covers every source.
+        # The digest of a law covers every source of shellcut. Without this change each mutant would
+        # make all laws new, and all kernels that take them.
         self._change(
             numerics / "source_digest.py",
             (
@@ -326,6 +342,8 @@ class Copy:
         (numerics / "mutant.py").write_text(_STAMP)
         self._now = numerics / "mutant.json"
         self.good.mkdir(parents=True, exist_ok=True)
+        if (said := digest_cases.published()[0]) != f"Versions: {digest_cases.versions()}.":
+            raise SystemExit(f"the digests are published for other versions: {said}")
         if failed := self.run([]):
             raise SystemExit(f"{DIGESTS} must pass in the copy without a mutant, got {failed}")
 

@@ -85,7 +85,10 @@ def model_of(name):
 
 
 def digest_of(name, folder):
-    """Run a case, or go on with the one in the folder; return digest, steps, number of splits."""
+    """Run a case, return digest, steps and number of splits.
+
+    A model goes on with the run in the folder, if there is one.
+    """
     out, (model, keys) = folder / "out", CASES[name]
     if model == "random_cuts.py":
         rng = np.random.default_rng(keys["seed"])

@@ -61,7 +61,7 @@ def led(path, heading, slow=0.25):
     It begins 1.2 mm before the path. heading : at each place [rad].  slow : way that a blade would
     move as it turns by one radian [mm].
     """
-    # Rounded: NumPy's functions differ in the last place from processor to processor.
+    # Rounded, because NumPy's functions differ in the last place between processors.
     path, heading = np.round(path, 9), np.round(heading, 9)
     steps = np.hypot(*np.diff(path, axis=0).T) + slow * np.abs(np.diff(heading))
     time = np.round((np.append(0.0, np.cumsum(steps)) + 1.2) / SPEED, 12)

@@ -116,6 +116,36 @@ def tension_under_ball(rho):
     raise AssertionError(f"no solution for rho = {rho}")
 
 
+def tensions_under_ball(rho, far, bows):
+    """n(0) under a ball in bulges, each from the one before, under the tension ``far`` over N."""
+    out = 200.0
+    s, n0 = np.linspace(0.0, 1.0, 400), 1.0 / np.sqrt(1.0 / CENTRE**2 + rho)
+    x = 0.3 * rho * (out / (0.3 * rho)) ** s
+    t = np.minimum(x / rho, 1.0 / (far * x))
+    p = np.maximum(far * x, np.minimum(n0 * x, OUTER * x ** (1.0 / 3.0)))
+    guess, free = np.array([t, np.gradient(t, np.log(x)), p, np.gradient(p, np.log(x))]), None
+    found = []
+    for bow in bows:
+
+        def film(s, y, free, bow=bow):
+            width = np.log(out) - free[0]
+            return width * _film(free[0] + s * width, y, far, bow)
+
+        def ends(inner, outer, free, bow=bow):
+            a, n0 = np.exp(free[0]), free[1]
+            bent, turn = a**3 * (1.0 / rho**2 - bow**2) / 16.0, 1.0 / rho - bow
+            lies = [inner[0] - a * turn, inner[1] - a * turn]
+            lies += [inner[2] - (n0 * a - bent), inner[3] - (n0 * a - 3.0 * bent)]
+            return np.array([*lies, outer[0], outer[2] - far * out])
+
+        start = [np.log(0.3 * rho), n0] if free is None else free
+        solved = solve_bvp(film, ends, s, guess, p=start, tol=1e-5, max_nodes=100_000)
+        assert solved.status == 0
+        guess, free = solved.sol(s), solved.p
+        found.append(free[1])
+    return np.array(found)
+
+
 def test_the_tension_under_a_point_is_the_constant():
     assert tension_under_point() == pytest.approx(CENTRE, rel=1e-5)
 
@@ -142,6 +172,19 @@ def test_a_film_counts_as_flat_up_to_a_pressure(tension):
     assert 0.9 < force_in_bulge(tension, measure) / flat < 0.97
     assert 1.05 < force_in_bulge(tension, -measure) / flat < 1.1
     assert force_in_bulge(tension, -3.0 * measure) / flat > 1.2
+
+
+@pytest.mark.parametrize("rho", [1.0, 4.0])
+def test_a_blunt_tip_feels_a_bulge_by_its_force(rho):
+    """What counts is P F_p, and F_p = 2 pi sqrt(D B) times N_F / N, with N_F = n(0) N."""
+    far, bows = 0.2, np.array([0.0, 0.004, 0.008])
+    within, against = (tensions_under_ball(rho, far, sign * bows) for sign in (1.0, -1.0))
+    for n0, least, most in ((within, 0.9, 1.0), (against, 1.0, 1.1)):
+        sharp, blunt = n0 / CENTRE, 2.0 * rho * n0**2  # F_s and F_m of the slack film over F
+        measure = 2.0 * far * bows / n0**2 * np.hypot(sharp, blunt) / sharp
+        over_flat = n0[0] / n0[(measure <= 0.03) & (bows > 0.0)]
+        assert len(over_flat)
+        assert ((least < over_flat) & (over_flat < most)).all()
 
 
 @pytest.mark.parametrize("rho", [0.3, 3.0, 8.0])

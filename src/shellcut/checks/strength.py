@@ -5,7 +5,8 @@
 film below its strength does not crack by the criterion; under a blade it is cut all the same.
 
 *Piercing.* F_p (:mod:`shellcut.fracture.puncture`) of an end, apex or arc of an edge is that of a
-film that is stretched little and stiff in transverse shear, and tears no farther by itself. A force
+film that is flat, stretched little and stiff in transverse shear, and that tears no farther by
+itself. A force
 that the user gives needs none of this, nor do edges that all enter the film at its border.
 
 *Peeling.* What the film's quads resolve of a glue that may peel (docs/theory/adhesion.md), and of
@@ -20,7 +21,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from shellcut.arrays import norm, off_segments
+from shellcut.arrays import norm, off_segments, product
 from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.loads.adhesion import ZONE_SIDES, GluePoints
 from shellcut.loads.loads import Pressure
@@ -56,7 +57,7 @@ _BAND = "0.91 to 1.00", "0.87 to 1.13"
 _MEASURE = "measure the force of piercing, if you need it, and give it, fracture.puncture_force"
 
 _N_INSTANT = 65
-"""At which the pressure is looked at."""
+"""Instants of the run at which the pressure is taken."""
 
 _FROM_RIM = 0.25
 """Sides of quads from the film's border beyond which a cutting edge meets the film's face."""
@@ -156,10 +157,10 @@ def check_piercing(sim: Simulation, law: CohesiveTable, sweep: Sweep) -> Iterato
     if pressure > flat:
         yield doubt(
             "",
-            "the force at which a tip pierces this film is that of a flat film under its tension, "
-            f"and a pressure of {pressure:.3g} MPa bulges it: a tip that pushes with the pressure "
-            "needs less force than computed, against it more; the formula holds within 10 % up to "
-            f"{flat:.2g} MPa",
+            f"a pressure of {pressure:.3g} MPa bulges this film, and the force at which a tip "
+            "pierces it is computed for a flat film under the same tension: a tip that pushes with "
+            "the pressure needs less force, one that pushes against it needs more, by more than "
+            f"10 % above {flat:.2g} MPa",
             _MEASURE,
         )
     soft = strength * film.thickness / float(np.diag(film.shear_stiffness).min())
@@ -174,11 +175,17 @@ def check_piercing(sim: Simulation, law: CohesiveTable, sweep: Sweep) -> Iterato
 
 
 def _pressure(sim: Simulation, sweep: Sweep) -> float:
-    """Return the largest pressure on the film, of all loads together [MPa]."""
+    """Return the largest pressure, without its sign, on a quad that an edge passes [MPa]."""
     every = cast("Iterable[object]", sim.inputs["loads"])
     loads = [load for load in every if isinstance(load, Pressure)]
+    on_quads = np.zeros((len(loads), sim.mesh.n_quad))
+    for k, load in enumerate(loads):
+        quads = slice(None) if load.quads is None else sim.mesh.quad_set(load.quads)
+        on_quads[k, quads] = load.value
     times = np.linspace(0.0, sweep.duration, _N_INSTANT).tolist()
-    return max(sum(abs(load.value * load.factor(time)) for load in loads) for time in times)
+    factors = np.array([[load.factor(time) for load in loads] for time in times])
+    passed = on_quads[:, np.unique(sweep.quad)]
+    return float(np.abs(product(factors, passed)).max(initial=0.0))
 
 
 def _on_face(sim: Simulation, sweep: Sweep) -> bool:

@@ -206,8 +206,9 @@ def _find(
     node.
     """
     of_row = np.full(quads.shape[0], -1, np.int64)  # point that a row is connected to
-    of_node, owner, ring = np.full(at.shape[0], -1), np.full(at.shape[0], -1), np.empty_like(n_at)
+    of_node, ring = np.full(at.shape[0], -1), np.empty_like(n_at)
     met_by = np.full(at.shape[0], -1)  # point of the pair, ``owner``, that a node was met by
+    owner = np.empty_like(met_by)
     leader, partner = np.empty_like(boxes.row), np.empty_like(boxes.row)
     n_pair, n_sheet, n_point = 0, 0, 0
     for i in range(points.ids.shape[0]):

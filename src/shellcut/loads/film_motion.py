@@ -122,7 +122,7 @@ class FilmMotion:
     def _moved(self, pose: Pose, spin: Floats, velocity: Floats, time: float) -> Pose:
         """Return a pose moved on by a constant twist."""
         after = np.empty((4, 3))
-        self._move(pose, spin, velocity, time, after)
+        self._move.code(pose, spin, velocity, time, after)
         return Pose(after[:3], after[3])
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
@@ -293,7 +293,8 @@ def move(before: Pose, spin: Floats, velocity: Floats, time: float, after: Float
         s, k = sin(angle) / angle, 2.0 * half * half
         third = (1.0 - s) / (angle * angle)
     R, r = before
-    # exp(ã) b = b + s a x b + k a x (a x b) for each axis b, and the integral over the time
+    # Each axis b turns to exp(ã) b = b + s a x b + k a x (a x b). The shift is the integral of
+    # exp(ã) velocity over the time.
     for c in range(3):
         b = R[0, c], R[1, c], R[2, c]
         across = cross(a, b)

@@ -149,7 +149,7 @@ class ForceTerms:
         tick, twist = state.tick, self._twist
         if self._motion is not None:  # it may give views of any kind; kernels take rows
             twist[0], twist[1] = self._motion.twist(state.time - 0.5 * tick)
-        before = self._of_all[0].copy()
+        before = None if self._film is None else self._of_all[0].copy()
         ledger.tool_work -= self._work_on_tool.code(twist, pose.translation, tick, self._book)
         if self._film is not None and self._motion is not None and tick > 0.0:
             mean, then = 0.5 * (before + self._of_all[0]), state.time - tick
@@ -313,9 +313,9 @@ def work_in_film(
     moment = turn_back((wrench[3], wrench[4], wrench[5]), film)
     r, s = before.translation, after.translation
     start, end = to_body((r[0], r[1], r[2]), film_before), to_body((s[0], s[1], s[2]), film_after)
+    R, S = before.rotation, after.rotation
     vector = (0.0, 0.0, 0.0)  # of the turn, to second order, as the sums are
     for c in range(3):
-        R, S = before.rotation, after.rotation
         axis = turn_back((R[0, c], R[1, c], R[2, c]), film_before)
         turned = turn_back((S[0, c], S[1, c], S[2, c]), film_after)
         vector = add_scaled(vector, 0.5, cross(axis, turned))
