@@ -89,6 +89,23 @@ def test_forces_and_tangents_are_derivatives_of_the_potential(case, film):
         np.testing.assert_allclose(slope, wanted, atol=3e-7 * largest)
 
 
+def test_the_nominal_stress_of_layers_is_the_force_over_width_and_thickness():
+    """Of a film stretched in one direction: the sum of nodal forces there, over the stretch."""
+    length, width, stretch = 2.0, 1.0, 1.05
+    stiff = sc.Layer(sc.Hencky(sc.Elastic(4.0 * E, NU, 1e-9)), 0.3 * H)
+    film = sc.ShellMaterial([sc.Layer(SOFT, 0.7 * H), stiff], points_per_layer=3)
+    mesh = rectangle(length, width, n_x=2, n_y=1)
+    shell, state = cases.set_up(mesh, film)
+    x = mesh.nodes * [stretch, 1.0, 1.0]
+    _, forces = energy(shell, state, state.history.copy(), x, mesh.directors)
+    pull = abs(forces[mesh.node_set("right"), 0].sum())
+    nominal, middle = (
+        shell.stress(state, np.array([0]), place=place)[0, 0, 0] for place in ("nominal", "mid")
+    )
+    assert nominal == pytest.approx(pull / (width * H * stretch), rel=1e-9)
+    assert middle < 0.8 * nominal
+
+
 def test_a_turn_in_mid_run_changes_nothing():
     mesh = cases.ALL["curved"](2, 2)
     rng, size = np.random.default_rng(4), size_of(mesh)

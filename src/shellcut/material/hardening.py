@@ -258,9 +258,9 @@ def fewer_points(
 
     Examples
     --------
-    >>> strain, stress = fewer_points(np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.0, 2, 3, 3]), 3)
+    >>> strain, stress = fewer_points(np.arange(5.0), np.array([1.0, 2.0, 3.0, 3.0, 3.0]), 3)
     >>> strain.tolist()
-    [0.0, 2.0, 3.0]
+    [0.0, 2.0, 4.0]
     """
     p, s = np.asarray(plastic_strain, float), np.asarray(stress, float)
     while len(p) > max(most, 2):
