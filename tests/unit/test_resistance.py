@@ -5,16 +5,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from notched_strip import cutting
-from shellcut import ScrewMotion, StraightMotion, TableMotion, read
+from shellcut import ScrewMotion, ShellMaterial, Simulation, StraightMotion, TableMotion, read
+from shellcut.meshing import rectangle
 from shellcut.models import Case
 from shellcut.numerics.broken_line import BrokenLine
-from shellcut.recording.resistance import COMPONENTS, Resistance
+from shellcut.recording.resistance import COMPONENTS, Resistance, resistance_of
 from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
 from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
+from shellcut.tool.shapes import straight_blade
 from shellcut.tool.touch import Booking, Touch
 
 END = 1.0
@@ -205,6 +208,70 @@ def test_what_keeps_nothing_has_the_generalised_force_of_its_coordinate(name):
         for wrench in WRENCHES:
             (found,) = figures(r, motion, wrench, t)
             assert found * rate == pytest.approx(power(motion, wrench, t), rel=1e-5, abs=1e-9)
+
+
+WAY = 17.0
+"""Of a blade along x through a film [mm]."""
+
+
+def resistance_along(poses, origin, n=401):
+    """Return that of an upright blade that passes poses, with the body's origin elsewhere in it.
+
+    poses : takes the share of the way; returns rotation vector and place of the cutting edge at the
+    height of the film.
+    """
+    share = np.linspace(0.0, 1.0, n)
+    vectors, places = (np.array(part) for part in zip(*map(poses, share.tolist()), strict=True))
+    turns = Rotation.from_rotvec(vectors)
+    motion = TableMotion(END * share, places + turns.apply(origin), vectors)
+    tool = straight_blade(length=30.0, height=6.0).translated(-np.array(origin))
+    film = rectangle(20.0, 8.0, size=1.0)
+    sim = Simulation(film, ShellMaterial.homogeneous(), tool=tool, motion=motion)
+    return resistance_of(sim, END), motion
+
+
+def tilts(s):
+    return (0.0, np.radians(5.0) * np.clip(4.0 * s - 3.0, 0.0, 1.0), 0.0), (WAY * s, 0.0, 0.0)
+
+
+def wobbles(s):
+    return (0.0, 0.0, np.radians(0.6) * sin(40.0 * s)), (WAY * s, 0.0, 0.0)
+
+
+def steered(s):  # along y = 1.5 sin, the blade along its tangent
+    return (0.0, 0.0, np.arctan(1.5 * 2.0 * pi / WAY * cos(2.0 * pi * s))), (
+        WAY * s,
+        1.5 * sin(2.0 * pi * s),
+        0.0,
+    )
+
+
+def swings(s):  # by half a degree about a place 2 m above the film
+    return (0.0, -WAY / 2000.0 * s, 0.0), (
+        2000.0 * sin(WAY / 2000.0 * s),
+        0.0,
+        2000.0 * (1.0 - cos(WAY / 2000.0 * s)),
+    )
+
+
+@pytest.mark.parametrize("origin", [(0.0, 0.0, 0.0), (0.0, 0.0, 1500.0), (-40.0, 300.0, 20.0)])
+@pytest.mark.parametrize("poses", [tilts, wobbles, steered, swings])
+def test_a_tool_that_keeps_no_axis_is_measured_along_the_path_of_its_edge(poses, origin):
+    """Whatever its turn, and wherever its origin is."""
+    r, motion = resistance_along(poses, origin)
+    assert (r.coordinate_name, r.columns) == ("path", [("force", "N")])
+    share = np.linspace(0.0, 1.0, 4001)
+    places = np.array([poses(s)[1] for s in share.tolist()])
+    path = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
+    assert r.coordinate(END) == pytest.approx(path, rel=2e-3)
+    # A force on the edge against its path: 3 N, whatever else turns.
+    for t in (0.3, 0.6):
+        back = np.array(poses(t - 1e-4)[1]) - np.array(poses(t + 1e-4)[1])
+        force = 3.0 * back / np.linalg.norm(back)
+        pose = Pose.of(*motion.pose(t))
+        moment = np.cross(np.array(poses(t)[1]) - pose.translation, force)
+        (found,) = r.of(np.concatenate([force, moment]), pose.translation, t)
+        assert found == pytest.approx(3.0, rel=5e-3)
 
 
 def test_where_it_rests_the_figure_stays_that_of_when_it_moves():

@@ -34,6 +34,7 @@ from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import pose_at
+from shellcut.tool.travel import Travel
 
 from .supports import Rate, SupportSet
 
@@ -217,7 +218,7 @@ class SeenFromFilm:
 
     def __init__(self, film: FilmMotion, motion: Motion, until: float = 0.0) -> None:
         self._film, self._motion, self._until = film, motion, until
-        self._travel: list[tuple[float, float]] = []
+        self._travel: Travel | None = None
         self._unit = ""
 
     def pose(self, time: float) -> Pose:
@@ -247,22 +248,9 @@ class SeenFromFilm:
 
     def coordinate(self, time: float) -> float:
         """Return the angle [rad] or path [mm] travelled in the film since t = 0."""
-        tick, table = self._film.tick, self._travel
-        k = int(time / tick) if time > 0.0 else 0
-        if not table:
-            table.append((0.0, self._speed(0.0)))
-        while len(table) <= k + 1:  # Simpson's rule
-            at, (travel, speed) = len(table) * tick, table[-1]
-            middle, end = self._speed(at - 0.5 * tick), self._speed(at)
-            table.append((travel + tick / 6.0 * (speed + 4.0 * middle + end), end))
-        (s0, v0), (s1, v1) = table[k], table[k + 1]
-        u = max(time, 0.0) / tick - k
-        # cubic Hermite: the travel and its rate at both ends of the tick
-        return (
-            s0
-            + u * u * (3.0 - 2.0 * u) * (s1 - s0)
-            + u * (1.0 - u) * tick * ((1.0 - u) * v0 - u * v1)
-        )
+        if self._travel is None:
+            self._travel = Travel(self._speed, self._film.tick)
+        return self._travel.at(time)
 
     def _speed(self, time: float) -> float:
         spin, velocity = self.twist(time)

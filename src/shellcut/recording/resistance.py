@@ -11,7 +11,8 @@ invariant           values                   power
 an axis             torque T, axial force F   T dtheta/dt + F du/dt, u the advance; for a screw of
                                               pitch p du = p/(2 pi) dtheta
 a line              force F along it          F ds/dt
-none                dW/dq                     (dW/dq) dq/dt, q the coordinate
+none                dW/dq                     (dW/dq) dq/dt, q the path of the cutting edges, or the
+                                              coordinate of a user's own motion
 ==================  ========================  ======================================================
 
 The last one is the generalised force of the coordinate q: with f and m the force and the moment
@@ -53,6 +54,8 @@ from shellcut.results.steady_window import INTEGRAL, WAY
 from shellcut.tool.motion import Motion
 from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
 
+from .edge_path import EdgePath, has_own_coordinate
+
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
 
@@ -80,7 +83,7 @@ class Resistance:
         """Abscissa of the values, in the unit shown to users."""
         self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
         """Factor from the motion's own coordinate to that unit."""
-        kept = kept_axis(motion, until, 0.0 if film is None else _STRAY * film.extent)
+        kept = kept_axis(motion, until, _stray(film))
         self._reading: _AboutAxis | _AlongLine | _OfCoordinate
         if isinstance(kept, Axis):
             self._reading = _AboutAxis(kept, motion)
@@ -205,10 +208,17 @@ AnyResistance: TypeAlias = Resistance | SupportPull
 
 def resistance_of(sim: Simulation, until: float) -> AnyResistance:
     """Return the resistance that a run up to ``until`` [s] measures; something must move."""
-    motion = sim.motion_in_film(until)
-    if motion is not None:
-        return Resistance(motion, until, sim.film_motion)
-    return SupportPull(sim, until)
+    motion, film = sim.motion_in_film(until), sim.film_motion
+    if motion is None:
+        return SupportPull(sim, until)
+    if not has_own_coordinate(motion) and kept_axis(motion, until, _stray(film)) is None:
+        motion = EdgePath(sim, motion, until)
+    return Resistance(motion, until, film)
+
+
+def _stray(film: FilmMotion | None) -> float:
+    """Return how far an axis may stray in a film that its supports move [mm]."""
+    return 0.0 if film is None else _STRAY * film.extent
 
 
 class _AboutAxis:
@@ -267,7 +277,10 @@ class _OfCoordinate:
             self.meaning = "generalised torque: work of the tool per radian; it keeps no axis"
         else:
             self.columns = [("force", "N")]
-            self.meaning = "generalised force: work of the tool per mm; it keeps no direction"
+            along = " of the path of its edges" if isinstance(motion, EdgePath) else ""
+            self.meaning = (
+                f"generalised force: work of the tool per mm{along}; it keeps no direction"
+            )
         rates = [abs(coordinate_rate(motion, t, until)) for t in self._seen.time.tolist()]
         self._slowest = AT_REST * max(rates, default=0.0)
 

@@ -1,0 +1,86 @@
+"""The path of the cutting edges through the film, the coordinate of a motion that keeps no axis.
+
+The forces of a cut depend on how its edges move through the film. The angle of a tool that mostly
+moves straight, or the path of a body's origin far from the film, says nothing about that. A user's
+own motion keeps its own coordinate.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shellcut.arrays import Floats, cross, norm, product
+from shellcut.checks.sweep import Sweep
+from shellcut.loads.film_motion import SeenFromFilm
+from shellcut.tool.motion import Motion
+from shellcut.tool.pose_of_motion import pose_at
+from shellcut.tool.table_motion import TableMotion
+from shellcut.tool.travel import Travel
+
+if TYPE_CHECKING:
+    from shellcut.simulation.simulation import Simulation
+
+# Ticks of the run over which the path is summed.
+_N_TICK = 1024
+
+
+class EdgePath:
+    """A motion whose coordinate is the path of the cutting edges where they pass the film [mm].
+
+    Of several edges it is the mean of their paths. Before an edge enters the film and after it has
+    left it, the place at which it is nearest in time counts. Of a tool without edges in the film it
+    is the path of the middle of its vertices.
+
+    Parameters
+    ----------
+    sim : Simulation
+        With a tool.
+    motion : Motion
+        Of the tool, as seen from the film.
+    until : float
+        End of the run [s].
+    """
+
+    coordinate_unit = "mm"
+
+    def __init__(self, sim: Simulation, motion: Motion, until: float) -> None:
+        assert sim.tool is not None
+        self.pose, self.twist = motion.pose, motion.twist
+        self._motion = motion
+        self._places = [(np.zeros(1), sim.tool.vertices.mean(axis=0)[None])]
+        """Times [s] and places in the body's axes [mm], of each edge."""
+        sweep = Sweep.of(sim.mesh, sim.tool, motion, until) if sim.tool.n_edge else None
+        if sweep is not None and len(sweep.place):
+            self._places = [_in_body(sweep, motion, k) for k in np.unique(sweep.chain).tolist()]
+        self._travel = Travel(self._speed, until / _N_TICK)
+
+    def coordinate(self, time: float) -> float:
+        """Return the path since t = 0 [mm]."""
+        return self._travel.at(time)
+
+    def _speed(self, time: float) -> float:
+        spin, velocity = (np.asarray(part, float) for part in self._motion.twist(time))
+        at = [[np.interp(time, times, axis) for axis in places.T] for times, places in self._places]
+        arms = product(np.array(at), pose_at(self._motion, time).rotation.T)
+        return float(norm(velocity + cross(spin, arms)).mean())
+
+
+def _in_body(sweep: Sweep, motion: Motion, chain: int) -> tuple[Floats, Floats]:
+    """Return when and where in the body's axes an edge passes the film: its mean at each time."""
+    mine = sweep.chain == chain
+    times, which = np.unique(sweep.time[mine], return_inverse=True)
+    count = np.bincount(which)[:, None]
+    bodies = [
+        pose_at(motion, time).to_body(place[None])[0]
+        for time, place in zip(sweep.time[mine].tolist(), sweep.place[mine], strict=True)
+    ]
+    sums = np.zeros((times.size, 3))
+    np.add.at(sums, which, np.array(bodies))
+    return times, sums / count
+
+
+def has_own_coordinate(motion: Any) -> bool:
+    """Return whether the coordinate of a motion is a user's, not one of the library's tables."""
+    return type(motion) not in (TableMotion, SeenFromFilm)
