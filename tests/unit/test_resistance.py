@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from notched_strip import cutting
 from shellcut import ScrewMotion, ShellMaterial, Simulation, StraightMotion, TableMotion, read
-from shellcut.meshing import rectangle
+from shellcut.meshing import disc, rectangle
 from shellcut.models import Case
 from shellcut.numerics.broken_line import BrokenLine
 from shellcut.recording.resistance import COMPONENTS, Resistance, resistance_of
@@ -17,7 +17,7 @@ from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
 from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
-from shellcut.tool.shapes import straight_blade
+from shellcut.tool.shapes import straight_blade, tooth_ring
 from shellcut.tool.touch import Booking, Touch
 
 END = 1.0
@@ -234,6 +234,10 @@ def tilts(s):
     return (0.0, np.radians(5.0) * np.clip(4.0 * s - 3.0, 0.0, 1.0), 0.0), (WAY * s, 0.0, 0.0)
 
 
+def tilts_evenly(s):
+    return (0.0, np.radians(5.0) * s, 0.0), (WAY * s, 0.0, 0.0)
+
+
 def wobbles(s):
     return (0.0, 0.0, np.radians(0.6) * sin(40.0 * s)), (WAY * s, 0.0, 0.0)
 
@@ -255,7 +259,7 @@ def swings(s):  # by half a degree about a place 2 m above the film
 
 
 @pytest.mark.parametrize("origin", [(0.0, 0.0, 0.0), (0.0, 0.0, 1500.0), (-40.0, 300.0, 20.0)])
-@pytest.mark.parametrize("poses", [tilts, wobbles, steered, swings])
+@pytest.mark.parametrize("poses", [tilts, tilts_evenly, wobbles, steered, swings])
 def test_a_tool_that_keeps_no_axis_is_measured_along_the_path_of_its_edge(poses, origin):
     """Whatever its turn, and wherever its origin is."""
     r, motion = resistance_along(poses, origin)
@@ -272,6 +276,23 @@ def test_a_tool_that_keeps_no_axis_is_measured_along_the_path_of_its_edge(poses,
         moment = np.cross(np.array(poses(t)[1]) - pose.translation, force)
         (found,) = r.of(np.concatenate([force, moment]), pose.translation, t)
         assert found == pytest.approx(3.0, rel=5e-3)
+
+
+@pytest.mark.parametrize(("degrees", "figure"), [(90.0, "torque"), (20.0, "force")])
+def test_a_large_turn_in_step_with_the_path_is_a_turn(degrees, figure):
+    """Poses of a cap as they are measured: its axis wanders by 0.1 mm, its turn by a fifth."""
+    turn = np.radians(degrees)
+
+    def pose(t):
+        angle = turn * (t + 0.2 * sin(30.0 * t) / 30.0)
+        return (0.0, 0.0, angle), (0.1 * sin(20.0 * t), 0.1 * cos(11.0 * t), -2.0 * t)
+
+    motion, film = table(pose, n=201), disc(10.2, n_side=6, n_layer=4)
+    sim = Simulation(film, ShellMaterial.homogeneous(), tool=tooth_ring(), motion=motion)
+    r = resistance_of(sim, END)
+    assert r.columns == [(figure, "N*mm" if figure == "torque" else "N")]
+    path = degrees if figure == "torque" else np.hypot(9.4 * turn, 2.0)
+    assert r.coordinate(END) == pytest.approx(path, rel=0.08)
 
 
 def test_where_it_rests_the_figure_stays_that_of_when_it_moves():

@@ -1,8 +1,9 @@
 """The path of the cutting edges through the film, the coordinate of a motion that keeps no axis.
 
 The forces of a cut depend on how its edges move through the film. The angle of a tool that mostly
-moves straight, or the path of a body's origin far from the film, says nothing about that. A user's
-own motion keeps its own coordinate.
+moves straight, or the path of a body's origin far from the film, says nothing about that. The angle
+is the coordinate where the edges move by turning: about a fixed axis, or by a large turn in step
+with their path, as measured poses of a cap have it. A user's own motion keeps its own coordinate.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from shellcut.checks.sweep import Sweep
 from shellcut.loads.film_motion import SeenFromFilm
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
+from shellcut.tool.screw_axis import AT_REST, N_INSTANT, Axis
 from shellcut.tool.table_motion import TableMotion
 from shellcut.tool.travel import Travel
 
@@ -24,6 +26,12 @@ if TYPE_CHECKING:
 
 # Ticks of the run over which the path is summed.
 _N_TICK = 1024
+# Turn [rad] from which on it may be the coordinate of a motion without a fixed axis.
+_LARGE = np.pi / 6.0
+# Factor by which turn over path may differ from its mean, in all but the outer parts of instants.
+_IN_STEP, _OUTER = 2.0, 0.05
+# Of the edges' speed about an axis, by which they may move otherwise.
+_OFF_AXIS = 0.02
 
 
 class EdgePath:
@@ -60,11 +68,51 @@ class EdgePath:
         """Return the path since t = 0 [mm]."""
         return self._travel.at(time)
 
+    def turns_about(self, axis: Axis | None, until: float) -> bool:
+        """Return whether the edges move about an axis, if it is fixed, and along it.
+
+        The axis of a table is known to a share of how far the body's origin is from it.
+
+        axis : of the motion, None if it keeps none.  until : end of the run [s].
+        """
+        if axis is None or any(axis.drift):
+            return False
+        off = whole = 0.0
+        direction = np.array(axis.direction)
+        for time in _instants(until):
+            spin, places, velocity = self._edges_at(time)
+            about = cross(spin, places - axis.point)
+            rest = velocity - about
+            off += float(norm(rest - product(rest, direction)[:, None] * direction).mean())
+            whole += float(norm(about).mean())
+        return off <= _OFF_AXIS * whole
+
+    def turns_in_step(self, until: float) -> bool:
+        """Return whether the tool makes a large turn in step with the path up to a time [s]."""
+        times = _instants(until)
+        rate = norm(np.array([self._motion.twist(time)[0] for time in times], float))
+        speed = np.array([self._speed(time) for time in times])
+        if not rate.mean() * until >= _LARGE or not speed.any():
+            return False
+        moves = speed > AT_REST * speed.max()
+        over_mean = rate[moves] / speed[moves] * (speed.sum() / rate.sum())
+        low, high = np.quantile(over_mean, [_OUTER, 1.0 - _OUTER])
+        return bool(low * _IN_STEP >= 1.0 and high <= _IN_STEP)
+
     def _speed(self, time: float) -> float:
+        return float(norm(self._edges_at(time)[2]).mean())
+
+    def _edges_at(self, time: float) -> tuple[Floats, Floats, Floats]:
+        """Return the spin, and places and velocities of the edges in the film, (n_edge, 3) each."""
         spin, velocity = (np.asarray(part, float) for part in self._motion.twist(time))
         at = [[np.interp(time, times, axis) for axis in places.T] for times, places in self._places]
-        arms = product(np.array(at), pose_at(self._motion, time).rotation.T)
-        return float(norm(velocity + cross(spin, arms)).mean())
+        R, r = pose_at(self._motion, time)
+        arms = product(np.array(at), R.T)
+        return spin, r + arms, velocity + cross(spin, arms)
+
+
+def _instants(until: float) -> list[float]:
+    return [float(time) for time in (np.arange(N_INSTANT) + 0.5) / N_INSTANT * until]
 
 
 def _in_body(sweep: Sweep, motion: Motion, chain: int) -> tuple[Floats, Floats]:

@@ -211,8 +211,12 @@ def resistance_of(sim: Simulation, until: float) -> AnyResistance:
     motion, film = sim.motion_in_film(until), sim.film_motion
     if motion is None:
         return SupportPull(sim, until)
-    if not has_own_coordinate(motion) and kept_axis(motion, until, _stray(film)) is None:
-        motion = EdgePath(sim, motion, until)
+    if not has_own_coordinate(motion):
+        kept = kept_axis(motion, until, _stray(film))
+        if not isinstance(kept, Line):
+            path = EdgePath(sim, motion, until)
+            turns = path.turns_about(kept, until) or path.turns_in_step(until)
+            motion = motion if turns else path
     return Resistance(motion, until, film)
 
 
