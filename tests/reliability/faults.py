@@ -198,6 +198,7 @@ def full_output(folder):
 def folder_lost(lose, folder):
     out, child = folder / "out", paused(folder)
     lose(out)
+    time.sleep(0.05)  # a checkpoint is due when it goes on
     child.send(signal.SIGCONT)
     assert "removed, moved or emptied" in child.wait().expect(4).error
     if (folder / "moved").exists():

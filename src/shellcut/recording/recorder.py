@@ -199,6 +199,7 @@ class Recorder:
         now, clock = sim.state.time, time.perf_counter()
         # Before the rest, which a resumed run writes: it need not wait for the first picture.
         if clock - self._saved >= self._checkpoint_every:
+            self._files.look()  # a checkpoint alone cannot be resumed
             self._save_checkpoint()
         if self._schedule.due(now):
             before = self._schedule.copied()
