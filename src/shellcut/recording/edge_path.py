@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 _N_TICK = 1024
 # Turn [rad] from which on it may be the coordinate of a motion without a fixed axis.
 _LARGE = np.pi / 6.0
-# Factor by which turn over path may differ from its mean, in all but the outer parts of instants.
+# Factor by which turn over path may differ from its mean, but for a twentieth at either end.
 _IN_STEP, _OUTER = 2.0, 0.05
-# Of the edges' speed about an axis, by which they may move otherwise.
+# Part of the edges' speed about an axis by which they may move in another direction.
 _OFF_AXIS = 0.02
 
 
