@@ -268,12 +268,13 @@ def test_a_tool_that_keeps_no_axis_is_measured_along_the_path_of_its_edge(poses,
     places = np.array([poses(s)[1] for s in share.tolist()])
     path = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
     assert r.coordinate(END) == pytest.approx(path, rel=2e-3)
-    # A force on the edge against its path: 3 N, whatever else turns.
-    for t in (0.3, 0.6):
-        back = np.array(poses(t - 1e-4)[1]) - np.array(poses(t + 1e-4)[1])
-        force = 3.0 * back / np.linalg.norm(back)
-        pose = Pose.of(*motion.pose(t))
-        moment = np.cross(np.array(poses(t)[1]) - pose.translation, force)
+    # A force on the edge against its path: 3 N, whatever else turns, until the tool stops.
+    for t in (0.3, 0.6, END - 1e-7):
+        pose, (spin, velocity) = Pose.of(*motion.pose(t)), motion.twist(t)
+        arm = np.array(poses(t)[1]) - pose.translation
+        along = velocity + np.cross(spin, arm)
+        force = -3.0 * along / np.linalg.norm(along)
+        moment = np.cross(arm, force)
         (found,) = r.of(np.concatenate([force, moment]), pose.translation, t)
         assert found == pytest.approx(3.0, rel=5e-3)
 

@@ -62,7 +62,7 @@ class EdgePath:
         sweep = Sweep.of(sim.mesh, sim.tool, motion, until) if sim.tool.n_edge else None
         if sweep is not None and len(sweep.place):
             self._places = [_in_body(sweep, motion, k) for k in np.unique(sweep.chain).tolist()]
-        self._travel = Travel(self._speed, until / _N_TICK)
+        self._travel = Travel(self.speed, until / _N_TICK)
 
     def coordinate(self, time: float) -> float:
         """Return the path since t = 0 [mm]."""
@@ -91,7 +91,7 @@ class EdgePath:
         """Return whether the tool makes a large turn in step with the path up to a time [s]."""
         times = _instants(until)
         rate = norm(np.array([self._motion.twist(time)[0] for time in times], float))
-        speed = np.array([self._speed(time) for time in times])
+        speed = np.array([self.speed(time) for time in times])
         if not rate.mean() * until >= _LARGE or not speed.any():
             return False
         moves = speed > AT_REST * speed.max()
@@ -99,7 +99,8 @@ class EdgePath:
         low, high = np.quantile(over_mean, [_OUTER, 1.0 - _OUTER])
         return bool(low * _IN_STEP >= 1.0 and high <= _IN_STEP)
 
-    def _speed(self, time: float) -> float:
+    def speed(self, time: float) -> float:
+        """Return the rate of the path [mm/s]."""
         return float(norm(self._edges_at(time)[2]).mean())
 
     def _edges_at(self, time: float) -> tuple[Floats, Floats, Floats]:

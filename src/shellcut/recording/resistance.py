@@ -285,11 +285,11 @@ class _OfCoordinate:
             self.meaning = (
                 f"generalised force: work of the tool per mm{along}; it keeps no direction"
             )
-        rates = [abs(coordinate_rate(motion, t, until)) for t in self._seen.time.tolist()]
+        rates = [abs(self._rate(time)) for time in self._seen.time.tolist()]
         self._slowest = AT_REST * max(rates, default=0.0)
 
     def of(self, force: _Triple, moment: _Triple, origin: _Triple, time: float) -> list[float]:
-        rate = coordinate_rate(self._motion, time, self._until)
+        rate = self._rate(time)
         if abs(rate) > self._slowest:
             spin, velocity = (np.asarray(part, float).tolist() for part in self._motion.twist(time))
             power = _dot(force, velocity) + _dot(moment, spin)
@@ -299,6 +299,11 @@ class _OfCoordinate:
         k = int(np.abs(self._seen.time - time).argmin())
         spin, shift = self._seen.spin[k], self._seen.shift[k]
         return [0.0 - _dot(force, shift.tolist()) - _dot(moment, spin.tolist())]
+
+    def _rate(self, time: float) -> float:
+        if isinstance(self._motion, EdgePath):  # exact, also where the tool stops abruptly
+            return self._motion.speed(time)
+        return coordinate_rate(self._motion, time, self._until)
 
 
 def _moment_about(
