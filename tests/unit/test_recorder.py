@@ -67,7 +67,8 @@ def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     sim, h, summary = case.simulation, results.history, results.summary
     assert summary["n_step"] == sim.state.step
     assert summary["dt_s"] == pytest.approx(sim.state.time / sim.state.step, rel=1e-15)
-    # Blade and film are shifted only: the path of the edge is that of any place of the blade.
+    # Blade and film are shifted only: the path of the edge is that of any place of the blade. Each
+    # is summed by Simpson's rule, over ticks of its own.
     path = sim.motion_in_film(END).coordinate(sim.state.time)
     assert summary["path_end_mm"] == pytest.approx(path, rel=1e-5)
     peak = np.abs(h["force"]).argmax()

@@ -6,8 +6,8 @@ film below its strength does not crack by the criterion; under a blade it is cut
 
 *Piercing.* F_p (:mod:`shellcut.fracture.puncture`) of an end, apex or arc of an edge is that of a
 film that is flat, stretched little and stiff in transverse shear, and that tears no farther by
-itself. A force
-that the user gives needs none of this, nor do edges that all enter the film at its border.
+itself. A force that the user gives needs none of this, nor do edges that all enter the film at its
+border.
 
 *Peeling.* What the film's quads resolve of a glue that may peel (docs/theory/adhesion.md), and of
 the fold of a flap that tears (tests/predictions/torn_flap.py).

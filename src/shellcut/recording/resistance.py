@@ -301,6 +301,7 @@ class _OfCoordinate:
         return [0.0 - _dot(force, shift.tolist()) - _dot(moment, spin.tolist())]
 
     def _rate(self, time: float) -> float:
+        """Return the rate of the coordinate [rad/s or mm/s]."""
         if isinstance(self._motion, EdgePath):  # exact, also where the tool stops abruptly
             return self._motion.speed(time)
         return coordinate_rate(self._motion, time, self._until)
