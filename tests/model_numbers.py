@@ -14,7 +14,7 @@ from shellcut.model_file import ModelFileError
 from shellcut.model_file.build import build
 from shellcut.model_file.reader import model_of_text
 from shellcut.model_file.section_table import HEAD
-from shellcut.recording.resistance import Resistance
+from shellcut.recording.resistance import resistance_of
 from shellcut.recording.status_line import start_lines
 from shellcut.simulation.instability import UnstableStep
 
@@ -188,7 +188,7 @@ def outcome_of(read):
         except ModelFileError:
             return "refused"
         sim = case.simulation
-        list(start_lines(sim, Resistance(sim.motion, case.duration), case.duration))
+        list(start_lines(sim, resistance_of(sim, case.duration), case.duration))
         try:
             for _ in range(3):
                 sim.step()

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from notched_strip import cutting
-from shellcut.recording.resistance import Resistance
+from shellcut.recording.resistance import resistance_of
 from shellcut.recording.status_line import start_lines, status_line
 from shellcut.view.progress import Progress
 
@@ -122,7 +122,7 @@ def test_the_status_line_agrees_with_the_ledger(sim):
     ledger, s = sim.ledger, sim.state
     # Bring entries to where each of them shows in four figures.
     ledger.cohesive_start_work = 3.0 * ledger.cohesive_work
-    line = status_line(sim, Resistance(sim.motion, 8e-5), 0.5)
+    line = status_line(sim, resistance_of(sim, 8e-5), 0.5)
     told = line.replace(f"{s.n_cable} cables", "")
     numbers = {name: float(x) for name, x in re.findall(r"(\w+) ([-+]?[\d.]+(?:e[-+]\d+)?)", told)}
     assert line.startswith("50 %: path ")
@@ -144,21 +144,23 @@ def test_the_status_line_agrees_with_the_ledger(sim):
 def test_no_imbalance_is_said_before_there_is_work_to_compare_with():
     sim = cutting()
     assert sim.imbalance is None
-    assert "imbalance" not in status_line(sim, Resistance(sim.motion, 8e-5), 0.0)
+    assert "imbalance" not in status_line(sim, resistance_of(sim, 8e-5), 0.0)
     sim.ledger.tool_work = 1e-6  # less than tears a tenth of a quad's side
     assert sim.imbalance is None
     sim.ledger.tool_work = 10.0
     assert sim.imbalance == sim.ledger.relative(sim.ledger.imbalance)
-    assert "| imbalance 100 % |" in status_line(sim, Resistance(sim.motion, 8e-5), 0.0)
+    assert "| imbalance 100 % |" in status_line(sim, resistance_of(sim, 8e-5), 0.0)
 
 
 def test_a_start_says_film_tool_and_steps(sim):
-    film, tool, cracks, motion, step = start_lines(sim, Resistance(sim.motion, 8e-5), 8e-5)
+    film, tool, cracks, motion, step = start_lines(sim, resistance_of(sim, 8e-5), 8e-5)
     assert f"{sim.mesh.n_quad} quads with sides of " in film
     assert "1 body" in tool
     assert cracks == 'cracks along sides of quads only (fracture.path = "edges")'
     assert re.fullmatch(
-        r"motion to path \S+ mm in 0.08 ms; output: force along \(1, 0, 0\)", motion
+        r"motion to path \S+ mm in 0.08 ms; output: generalised force: work of the tool per mm of "
+        r"the path of its edges; .*, which its supports move",
+        motion,
     )
     assert f"about {round(8e-5 / sim.dt, -2):,.0f} steps, the first of {sim.dt:.4g} s" in step
     assert step.startswith("time   about ")

@@ -26,7 +26,7 @@ from shellcut.checks import RefusedModel
 from shellcut.files.run_folder import snapshot, snapshots
 from shellcut.mesh.structured import rectangle
 from shellcut.models import Case
-from shellcut.recording.resistance import Resistance
+from shellcut.recording.resistance import resistance_of
 from shellcut.recording.run_summary import run_summary
 from shellcut.recording.unfelt_penetration import Unfelt, UnfeltPenetration
 from shellcut.results.history import read_history
@@ -35,6 +35,7 @@ from shellcut.results.verdict import Line
 from shellcut.results.vtkhdf import VtkHdfWriter
 from shellcut.simulation.hooks import StopWhen
 from shellcut.simulation.instability import UnstableStep
+from shellcut.tool.coordinate import Coordinate
 from steady_cut import edge, edge_columns
 
 RECORDS = {"n_row": 40, "n_frame": 4, "n_snapshot": 0, "progress": False}
@@ -67,9 +68,8 @@ def test_the_summary_and_the_last_frame_say_what_the_history_shows(whole):
     sim, h, summary = case.simulation, results.history, results.summary
     assert summary["n_step"] == sim.state.step
     assert summary["dt_s"] == pytest.approx(sim.state.time / sim.state.step, rel=1e-15)
-    # Blade and film are shifted only: the path of the edge is that of any place of the blade. Each
-    # is summed by Simpson's rule, over ticks of its own.
-    path = sim.motion_in_film(END).coordinate(sim.state.time)
+    # Blade and film are shifted only: the path of the edge is that of any place of the blade.
+    path = Coordinate.path(sim.motion_in_film, END).at(sim.state.time)
     assert summary["path_end_mm"] == pytest.approx(path, rel=1e-5)
     peak = np.abs(h["force"]).argmax()
     assert summary["force_peak_N"] == h["force"][peak] != 0.0
@@ -198,7 +198,8 @@ def test_a_table_that_turns_has_the_plateau_and_peak_of_its_torque():
     motion = TableMotion(
         [0.0, 1.0], [[0.0, 0.0, 0.0]] * 2, rotation_vectors=[[0.0, 0.0, 0.0], [0.0, 0.0, 1.5]]
     )
-    sim, r = still(motion=motion), Resistance(motion, 1.0)
+    sim = still(motion=motion)
+    r = resistance_of(sim, 1.0)
     assert r.coordinate_unit == "deg"
     angle = np.linspace(0.0, 80.0, 1601)
     columns = (

@@ -15,6 +15,7 @@ from shellcut.numerics.broken_line import BrokenLine
 from shellcut.recording.resistance import COMPONENTS, Resistance, resistance_of
 from shellcut.simulation.force_terms import ForceTerms
 from shellcut.simulation.ledger import Ledger
+from shellcut.tool.coordinate import Coordinate, HasCoordinate
 from shellcut.tool.pose import Pose
 from shellcut.tool.screw_axis import Axis, Line, kept_axis
 from shellcut.tool.shapes import straight_blade, tooth_ring
@@ -53,6 +54,19 @@ class Own:
         return tuple(part.tolist() for part in self.motion.twist(time))
 
 
+def coordinate(motion, unit):
+    """Return a motion's own coordinate, else the angle or path of the body's origin."""
+    if isinstance(motion, HasCoordinate):
+        return Coordinate.own(motion, END)
+    return (Coordinate.angle if unit == "rad" else Coordinate.path)(motion, END)
+
+
+def resistance(motion, unit="rad"):
+    kept = kept_axis(motion, END)
+    unit = "mm" if isinstance(kept, Line) else unit
+    return Resistance(motion, kept, coordinate(motion, unit), END)
+
+
 def power(motion, wrench, time):
     """Return what the tool puts in, the wrench being that on the tool."""
     spin, velocity = motion.twist(time)
@@ -65,7 +79,7 @@ def figures(r, motion, wrench, time):
 
 def check_as(exact, motion, time):
     """Compare what a motion has to overcome with that of another; return the former."""
-    wanted, found = Resistance(exact, END), Resistance(motion, END)
+    wanted, found = resistance(exact), resistance(motion)
     assert found.columns == wanted.columns
     for wrench in WRENCHES:
         # Round-off: the cubics of the table pass through straight and linear data exactly.
@@ -97,7 +111,7 @@ def test_a_straight_path_has_the_force_along_it(direction):
         assert isinstance(kept_axis(motion, END), Line)
         r = check_as(straight, motion, 0.3)
         assert r.columns == [("force", "N")]
-        assert r.meaning == Resistance(straight, END).meaning
+        assert r.meaning == resistance(straight).meaning
 
 
 @pytest.mark.parametrize("advance", [(1.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.6, -0.8, 0.1)])
@@ -123,7 +137,7 @@ def test_what_turns_and_moves_on_has_the_axis_about_which_it_turns(advance, pitc
     # A screw keeps the sense of advance that it is given; else it is that of the motion.
     sense = 1.0 if given == "screw" else np.sign(pitch)
     assert np.multiply(sense, found.advance) == pytest.approx(wanted.advance, abs=2.0 * off)
-    r = Resistance(motion, END)
+    r = resistance(motion)
     assert "which moves" in r.meaning
     for wrench in WRENCHES:
         torque, force = figures(r, motion, wrench, 0.8)
@@ -156,7 +170,8 @@ class Given:
     ids=["screw", "screw aside", "rolling", "table"],
 )
 def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion):
-    r, term = Resistance(motion, END), Given()
+    r, term = resistance(motion), Given()
+    angle_at = coordinate(motion, "rad").at
     terms, ledger = ForceTerms([term], motion), Ledger()
     angle, values = [], []
     for time in np.linspace(0.0, END, 2001).tolist():
@@ -164,7 +179,7 @@ def test_torque_and_axial_force_are_summed_over_the_angle_with_every_step(motion
         state = SimpleNamespace(time=time, dt=step, tick=step)
         pose = Pose.of(*motion.pose(time))
         terms.add_forces(state, pose, ledger)
-        angle.append(motion.coordinate(time))
+        angle.append(angle_at(time))
         values.append(r.of(term.touch.wrench[0], pose.translation, time))
     run = {"terms": terms, "tooth_wrenches": terms.wrench, "ledger": ledger}
     sim = SimpleNamespace(**run, pose=pose, state=state, work_in_film=ledger.tool_work)
@@ -198,13 +213,14 @@ GENERAL = {
 def test_what_keeps_nothing_has_the_generalised_force_of_its_coordinate(name):
     motion, figure = GENERAL[name]
     assert kept_axis(motion, END) is None
-    r = Resistance(motion, END)
+    unit = "rad" if figure == "torque" else "mm"
+    r, q = resistance(motion, unit), coordinate(motion, unit).at
     assert r.columns == [(figure, "N*mm" if figure == "torque" else "N")]
     assert r.meaning.startswith(f"generalised {figure}: work of the tool per ")
     for t in (0.11, 0.52, 0.93):
         # The rate by other means and a hundred times farther apart: 1e-8 of it, squared steps.
         d = 1e-4
-        rate = (motion.coordinate(t + d) - motion.coordinate(t - d)) / (2.0 * d)
+        rate = (q(t + d) - q(t - d)) / (2.0 * d)
         for wrench in WRENCHES:
             (found,) = figures(r, motion, wrench, t)
             assert found * rate == pytest.approx(power(motion, wrench, t), rel=1e-5, abs=1e-9)
@@ -296,16 +312,27 @@ def test_a_large_turn_in_step_with_the_path_is_a_turn(degrees, figure):
     assert r.coordinate(END) == pytest.approx(path, rel=0.08)
 
 
+@pytest.mark.parametrize(("degrees", "figure"), [(1.2, "torque"), (0.8, "force")])
+def test_a_turn_about_a_fixed_axis_is_one_from_a_degree_on(degrees, figure):
+    turn = np.radians(degrees)
+    motion, film = (
+        table(lambda t: ((0.0, 0.0, turn * t), (0.0, 0.0, 0.0))),
+        disc(10.2, n_side=6, n_layer=4),
+    )
+    sim = Simulation(film, ShellMaterial.homogeneous(), tool=tooth_ring(), motion=motion)
+    assert resistance_of(sim, END).columns[0][0] == figure
+
+
 def test_where_it_rests_the_figure_stays_that_of_when_it_moves():
     motion = table(tumbling)
-    r = Resistance(motion, 1.5 * END)
+    r = Resistance(motion, None, Coordinate.angle(motion, 1.5 * END), 1.5 * END)
     for wrench in WRENCHES:
         at_rest = figures(r, motion, wrench, 1.4 * END)
         # The wrench turns with no tool: of the nearest instant looked at, 3 ms before the end.
         at_end = r.of(wrench, motion.pose(END)[1], END - 1e-3)
         assert at_rest == pytest.approx(at_end, rel=0.05, abs=0.05)
     still = TableMotion([0.0, 1.0], [[1.0, 0.0, 0.0]] * 2)
-    assert figures(Resistance(still, END), still, WRENCHES[0], 0.5) == [0.0]
+    assert figures(resistance(still, "mm"), still, WRENCHES[0], 0.5) == [0.0]
 
 
 def test_the_wrench_is_whole_and_about_the_worlds_origin():
@@ -313,7 +340,7 @@ def test_the_wrench_is_whole_and_about_the_worlds_origin():
         f"{p}_{c}" for p in ("force", "moment") for c in "xyz"
     ]
     motion, t = table(tumbling), 0.6
-    r = Resistance(motion, END)
+    r = resistance(motion)
     spin, velocity = motion.twist(t)
     origin = motion.pose(t)[1]
     at_world_origin = velocity - np.cross(spin, origin)

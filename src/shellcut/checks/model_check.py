@@ -101,7 +101,7 @@ def check_model(simulation: Simulation, until: float) -> ModelCheck:
     """
     sim = simulation
     sweep = None
-    motion = sim.motion_in_film(until)
+    motion = sim.motion_in_film
     if sim.tool is not None and sim.tool.n_edge and motion is not None:
         sweep = Sweep.of(sim.mesh, sim.tool, motion, until)
     order = {REFUSE: 0, DOUBT: 1, NOTE: 2}

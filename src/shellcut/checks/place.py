@@ -125,7 +125,7 @@ def check_touch(sim: Simulation, until: float, remedy: str = "") -> Iterator[Fin
     Where the distance is below that of the points, or of a step of the motion, it may touch.
     A remedy that is known is named; else the distance to the nearest place.
     """
-    tool, motion = sim.tool, sim.motion_in_film(until)
+    tool, motion = sim.tool, sim.motion_in_film
     if tool is None or motion is None or sim.inputs["loads"] or _changes_shape(sim, until):
         return
     film, film_apart = _points(sim.mesh.nodes[sim.mesh.quads])

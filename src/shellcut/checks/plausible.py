@@ -23,6 +23,7 @@ from shellcut.formats.errors import counted, point_text
 from shellcut.material.plastic import Plastic
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
+from shellcut.tool.coordinate import Coordinate, HasCoordinate
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import KNOWN_MOTIONS, rate_of_pose
 from shellcut.tool.table_motion import TableMotion
@@ -83,7 +84,8 @@ def check_motion(motion: Motion, until: float) -> Iterator[Finding]:
     """Yield doubts about a motion: angles of a table seem to wrap, or parts do not fit together."""
     if type(motion) not in KNOWN_MOTIONS:
         yield from _twist(motion, until)
-        yield from _coordinate(motion, until)
+        if isinstance(motion, HasCoordinate):
+            yield from _coordinate(motion, Coordinate.own(motion, until), until)
     if isinstance(motion, TableMotion) and (i := motion.leap) is not None:
         a, b = np.asarray(motion.rotation_vectors)[i : i + 2]
         yield doubt(
@@ -114,21 +116,20 @@ def _twist(motion: Motion, until: float) -> Iterator[Finding]:
             )
 
 
-def _coordinate(motion: Motion, until: float) -> Iterator[Finding]:
+def _coordinate(motion: Motion, own: Coordinate, until: float) -> Iterator[Finding]:
     """Yield a doubt if a coordinate falls, or grows faster than the motion at most instants."""
-    unit, dt = motion.coordinate_unit, _INTERVAL * until
+    unit = own.unit
     times = ((np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * until).tolist()
     remedy = f"let coordinate of {type(motion).__name__} be the path in mm or the angle in rad"
     rule = "force and torque are work over the coordinate of a motion, "
-    q = np.array([motion.coordinate(t) for t in (0.0, *times, until)])
+    q = np.array([own.at(t) for t in (0.0, *times, until)])
     if q[0] - q[-1] > _SAME_TWIST * np.ptp(q):  # not by round-off where it returns
         yield doubt(
             f"{rule}which must grow, or they have the wrong sign and no mean",
             f"one that falls from {q[0]:.4g} to {q[-1]:.4g} {unit}",
             remedy,
         )
-    change = [motion.coordinate(t + dt) - motion.coordinate(t - dt) for t in times]
-    rate = np.abs(change) / (2.0 * dt)
+    rate = np.abs([own.rate(t) for t in times])
     spin, velocity = norm(np.array([motion.twist(t) for t in times], float)).T
     # A tool that turns may have any path: its points have different speeds.
     most = spin if unit == "rad" else np.where(spin > 0.0, np.inf, velocity)

@@ -34,7 +34,6 @@ from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 from shellcut.tool.pose_of_motion import pose_at
-from shellcut.tool.travel import Travel
 
 from .supports import Rate, SupportSet
 
@@ -49,13 +48,8 @@ _SMALL_ANGLE = 1e-4
 # Parts of the largest prescribed velocity that supported nodes may differ by from those of a rigid
 # film: far above what a tick leaves, far below any stretch that moves a film to a tool.
 _RIGID = 1e-3
-# Instants at which that is tested, and whether the tool turns as seen from the film.
+# Instants at which that is tested.
 _N_INSTANT = 64
-# A tool that turns by less [rad] in the film, in all, does not turn.
-_TURNS = 1e-6
-# Turn of a film [rad] below which a tool that itself moves straight still has a path: that of a
-# film which supports shear while it is cut.
-_SHEARED = 0.1
 
 
 class FilmMotion:
@@ -202,24 +196,16 @@ class _LeastSquares(NamedTuple):
 class SeenFromFilm:
     """The motion of a tool as seen from a film that its supports move, a :class:`.Motion`.
 
-    Its coordinate is the travel, which only grows: the angle (integral of the angular speed) if the
-    tool turns, otherwise the path of the body's origin.
-
     Parameters
     ----------
     film : FilmMotion
         Of the film.
     motion : Motion
         Of the tool in space.
-    until : float, optional
-        End of the run [s]: up to there it is tested whether the tool turns. Its coordinate needs
-        it.
     """
 
-    def __init__(self, film: FilmMotion, motion: Motion, until: float = 0.0) -> None:
-        self._film, self._motion, self._until = film, motion, until
-        self._travel: Travel | None = None
-        self._unit = ""
+    def __init__(self, film: FilmMotion, motion: Motion) -> None:
+        self._film, self._motion = film, motion
 
     def pose(self, time: float) -> Pose:
         """Return R' and r' [mm], with x' = R' X + r'."""
@@ -235,34 +221,13 @@ class SeenFromFilm:
         rate = velocity - moving - row_cross(of_film, arm)
         return product(back, spin - of_film), product(back, rate)
 
-    @property
-    def coordinate_unit(self) -> str:
-        """Unit of the coordinate: "rad" if the tool turns in the film, otherwise "mm"."""
-        if not self._unit:
-            times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * self._until
-            turn = norm(np.array([self.twist(t)[0] for t in times.tolist()])).mean() * self._until
-            advances = self._motion.coordinate(self._until) != self._motion.coordinate(0.0)
-            straight = advances and self._motion.coordinate_unit != "rad"
-            self._unit = "rad" if turn > (_SHEARED if straight else _TURNS) else "mm"
-        return self._unit
 
-    def coordinate(self, time: float) -> float:
-        """Return the angle [rad] or path [mm] travelled in the film since t = 0."""
-        if self._travel is None:
-            self._travel = Travel(self._speed, self._film.tick)
-        return self._travel.at(time)
-
-    def _speed(self, time: float) -> float:
-        spin, velocity = self.twist(time)
-        return float(norm(spin if self.coordinate_unit == "rad" else velocity))
-
-
-def in_film(film: FilmMotion | None, motion: Motion, until: float) -> Motion:
-    """Return the motion of a tool as seen from a film, up to ``until`` [s].
+def in_film(film: FilmMotion | None, motion: Motion) -> Motion:
+    """Return the motion of a tool as seen from a film.
 
     It is the tool's own where no support moves the film.
     """
-    return motion if film is None else SeenFromFilm(film, motion, until)
+    return motion if film is None else SeenFromFilm(film, motion)
 
 
 @kernel

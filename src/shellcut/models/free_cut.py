@@ -104,7 +104,7 @@ def _seen_from_film(
     film = FilmMotion.of(held, state)
     if film is not None:
         film.begin(state, duration / _STEPS)
-    return in_film(film, motion, duration)
+    return in_film(film, motion)
 
 
 def with_path(

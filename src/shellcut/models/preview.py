@@ -21,6 +21,7 @@ from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.frame_capture import frame_of
 from shellcut.recording.status_line import crack_line, how_long, part_lines
 from shellcut.simulation.simulation import Simulation
+from shellcut.tool.coordinate import HasCoordinate
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose_of_motion import pose_at
 from shellcut.tool.tool import Tool
@@ -128,7 +129,7 @@ def preview(
         mesh=mesh,
         supported=supported,
         tool=sim.tool,
-        motion=sim.motion_in_film(time or 0.0),
+        motion=sim.motion_in_film,
         duration=time,
         pulls=list(_pulls(sim, time)) if time else (),
         notch=film_now.reference[film_now.crack_edges[:, 0]],
@@ -404,10 +405,13 @@ def _poses(parts: ModelParts) -> tuple[list[Floats], list[str]]:
     poses, titles = [], []
     for at in [0.0] if parts.duration is None else [0.0, parts.duration]:
         poses.append(pose_at(motion, at).to_space(tool.vertices))
-        place, unit = motion.coordinate(at), motion.coordinate_unit
-        where = f"{np.degrees(place):.4g}°" if unit == "rad" else with_unit(place, unit)
+        where = ""
+        if isinstance(motion, HasCoordinate):
+            place, unit = motion.coordinate(at), motion.coordinate_unit
+            turned = f"{np.degrees(place):.4g}°"
+            where = f", {turned if unit == 'rad' else with_unit(place, unit)}"
         seen = " as seen from the film" if isinstance(motion, SeenFromFilm) else ""
-        titles.append(f"t = {1e3 * at:.4g} ms, {where}{seen}")
+        titles.append(f"t = {1e3 * at:.4g} ms{where}{seen}")
     return poses, titles
 
 

@@ -132,7 +132,7 @@ class CutFront:
         self._rim = sim.mesh.boundary_nodes()
         self._extent = float(norm(np.ptp(sim.mesh.nodes, axis=0)))
         self._look = _LOOK_AHEAD * until
-        self._motion = sim.motion_in_film(until)
+        self._motion = sim.motion_in_film
         self._seen = (-1, -1, -1)
         self._ends: tuple[int, CrackEnds] | None = None
         self._rows = np.zeros((0 if tool is None else tool.n_chain, 4))

@@ -11,8 +11,8 @@ invariant           values                   power
 an axis             torque T, axial force F   T dtheta/dt + F du/dt, u the advance; for a screw of
                                               pitch p du = p/(2 pi) dtheta
 a line              force F along it          F ds/dt
-none                dW/dq                     (dW/dq) dq/dt, q the path of the cutting edges, or the
-                                              coordinate of a user's own motion
+none                dW/dq                     (dW/dq) dq/dt, q the coordinate
+                                              (:mod:`.run_coordinate`)
 ==================  ========================  ======================================================
 
 The last one is the generalised force of the coordinate q: with f and m the force and the moment
@@ -51,10 +51,11 @@ from shellcut.formats.errors import point_text
 from shellcut.loads.film_motion import FilmMotion
 from shellcut.loads.supports import Support
 from shellcut.results.steady_window import INTEGRAL, WAY
+from shellcut.tool.coordinate import Coordinate
 from shellcut.tool.motion import Motion
-from shellcut.tool.screw_axis import AT_REST, Axis, Line, coordinate_rate, instants, kept_axis
+from shellcut.tool.screw_axis import AT_REST, Axis, Line, instants, kept_axis
 
-from .edge_path import EdgePath, has_own_coordinate
+from .run_coordinate import coordinate_of
 
 if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
@@ -73,24 +74,41 @@ _Triple = Sequence[float]
 class Resistance:
     """Compute the resistance from the wrench on the tool.
 
-    Axis or line of the motion is searched up to ``until`` [s].
+    Parameters
+    ----------
+    motion : Motion
+        Of the tool, as seen from the film.
+    kept : Axis or Line, optional
+        What the motion keeps.
+    coordinate : Coordinate
+        Of the run.
+    until : float
+        End of the run [s].
+    film : FilmMotion, optional
+        That of a film which its supports move.
     """
 
-    def __init__(self, motion: Motion, until: float, film: FilmMotion | None = None) -> None:
-        self._motion, self._film = motion, film
-        turns = motion.coordinate_unit == "rad"
+    def __init__(
+        self,
+        motion: Motion,
+        kept: Axis | Line | None,
+        coordinate: Coordinate,
+        until: float,
+        film: FilmMotion | None = None,
+    ) -> None:
+        self._coordinate, self._film = coordinate, film
+        turns = coordinate.unit == "rad"
         self.coordinate_name, self.coordinate_unit = ("angle", "deg") if turns else ("path", "mm")
         """Abscissa of the values, in the unit shown to users."""
         self.coordinate_scale = float(np.degrees(1.0)) if turns else 1.0
-        """Factor from the motion's own coordinate to that unit."""
-        kept = kept_axis(motion, until, _stray(film))
+        """Factor from the coordinate to that unit."""
         self._reading: _AboutAxis | _AlongLine | _OfCoordinate
-        if isinstance(kept, Axis):
-            self._reading = _AboutAxis(kept, motion)
+        if isinstance(kept, Axis) and turns:
+            self._reading = _AboutAxis(kept, coordinate)
         elif isinstance(kept, Line):
             self._reading = _AlongLine(kept)
         else:
-            self._reading = _OfCoordinate(motion, until)
+            self._reading = _OfCoordinate(motion, coordinate, until)
         self.columns, self.meaning = self._reading.columns, self._reading.meaning
         """Names and units of the values, and what the first is, which does the work."""
         if film is not None:
@@ -98,7 +116,7 @@ class Resistance:
 
     def coordinate(self, time: float) -> float:
         """Return the coordinate at a time in the unit shown to users."""
-        return self._motion.coordinate(time) * self.coordinate_scale
+        return self._coordinate.at(time) * self.coordinate_scale
 
     def of(self, wrench: Floats, origin: Floats, time: float) -> list[float]:
         """Return the values for one wrench on the tool at a time [s], in the order of ``columns``.
@@ -208,30 +226,21 @@ AnyResistance: TypeAlias = Resistance | SupportPull
 
 def resistance_of(sim: Simulation, until: float) -> AnyResistance:
     """Return the resistance that a run up to ``until`` [s] measures; something must move."""
-    motion, film = sim.motion_in_film(until), sim.film_motion
+    motion, film = sim.motion_in_film, sim.film_motion
     if motion is None:
         return SupportPull(sim, until)
-    if not has_own_coordinate(motion):
-        kept = kept_axis(motion, until, _stray(film))
-        if not isinstance(kept, Line):
-            path = EdgePath(sim, motion, until)
-            turns = path.turns_about(kept, until) or path.turns_in_step(until)
-            motion = motion if turns else path
-    return Resistance(motion, until, film)
-
-
-def _stray(film: FilmMotion | None) -> float:
-    """Return how far an axis may stray in a film that its supports move [mm]."""
-    return 0.0 if film is None else _STRAY * film.extent
+    kept = kept_axis(motion, until, 0.0 if film is None else _STRAY * film.extent)
+    coordinate = coordinate_of(sim, motion, kept, until)
+    return Resistance(motion, kept, coordinate, until, film)
 
 
 class _AboutAxis:
     """Torque about the axis, force along the advance."""
 
-    def __init__(self, kept: Axis, motion: Motion) -> None:
+    def __init__(self, kept: Axis, coordinate: Coordinate) -> None:
         self.columns = [("torque", "N*mm"), ("axial_force", "N")]
         self._axis, self._advance, self._point = kept.direction, kept.advance, kept.point
-        self._drift, self._motion = kept.drift, motion
+        self._drift, self._angle = kept.drift, coordinate.at
         self._moves = any(kept.drift)
         moving = ", which moves, at the start" if self._moves else ""
         self.meaning = (
@@ -242,7 +251,7 @@ class _AboutAxis:
     def of(self, force: _Triple, moment: _Triple, origin: _Triple, time: float) -> list[float]:
         point = self._point
         if self._moves:
-            q = self._motion.coordinate(time)
+            q = self._angle(time)
             (px, py, pz), (dx, dy, dz) = point, self._drift
             point = (px + q * dx, py + q * dy, pz + q * dz)
         about = _moment_about(point, force, moment, origin)
@@ -273,15 +282,15 @@ class _AlongLine:
 class _OfCoordinate:
     """Generalised force of the coordinate."""
 
-    def __init__(self, motion: Motion, until: float) -> None:
-        self._motion, self._until = motion, until
-        self._seen = instants(motion, until)
-        if motion.coordinate_unit == "rad":
+    def __init__(self, motion: Motion, coordinate: Coordinate, until: float) -> None:
+        self._motion, self._rate = motion, coordinate.rate
+        self._seen = instants(motion, coordinate, until)
+        if coordinate.unit == "rad":
             self.columns = [("torque", "N*mm")]
             self.meaning = "generalised torque: work of the tool per radian; it keeps no axis"
         else:
             self.columns = [("force", "N")]
-            along = " of the path of its edges" if isinstance(motion, EdgePath) else ""
+            along = f" of the path of {coordinate.of}" if coordinate.of else ""
             self.meaning = (
                 f"generalised force: work of the tool per mm{along}; it keeps no direction"
             )
@@ -299,12 +308,6 @@ class _OfCoordinate:
         k = int(np.abs(self._seen.time - time).argmin())
         spin, shift = self._seen.spin[k], self._seen.shift[k]
         return [0.0 - _dot(force, shift.tolist()) - _dot(moment, spin.tolist())]
-
-    def _rate(self, time: float) -> float:
-        """Return the rate of the coordinate [rad/s or mm/s]."""
-        if isinstance(self._motion, EdgePath):  # exact, also where the tool stops abruptly
-            return self._motion.speed(time)
-        return coordinate_rate(self._motion, time, self._until)
 
 
 def _moment_about(

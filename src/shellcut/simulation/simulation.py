@@ -452,12 +452,13 @@ class Simulation:
         """
         return self.terms.wrench
 
-    def motion_in_film(self, until: float) -> Motion | None:
-        """Return the motion of the tool as seen from the film, up to ``until`` [s].
+    @property
+    def motion_in_film(self) -> Motion | None:
+        """The motion of the tool as seen from the film.
 
         It is ``motion`` itself where no support moves the film; None without a tool.
         """
-        return None if self.motion is None else in_film(self.film_motion, self.motion, until)
+        return None if self.motion is None else in_film(self.film_motion, self.motion)
 
     @property
     def work_in_film(self) -> float:

@@ -3,7 +3,6 @@
 ==================  ========================================================================
 R, r                ``pose``: rotation matrix and position of the body's origin [mm]
 w, v                ``twist``: dR/dt = w x R [rad/s], v = dr/dt [mm/s], both in world axes
-coordinate          abscissa of curves: angle [rad] or path [mm]
 ==================  ========================================================================
 
 A start from rest ramps the speed by half a cosine over the ramp time T,
@@ -19,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, pi, radians, sin, sqrt
-from typing import Annotated, Protocol, TypeAlias, runtime_checkable
+from typing import Annotated, Literal, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -38,12 +37,10 @@ _RAMP = 0.03
 
 @runtime_checkable
 class Motion(Protocol):
-    """What the simulation needs from a motion; times in s, lengths in mm, angles in rad."""
+    """What the simulation needs from a motion; times in s, lengths in mm, angles in rad.
 
-    @property
-    def coordinate_unit(self) -> str:
-        """Unit of the coordinate: "rad" or "mm"."""
-        ...
+    It may have a coordinate of its own besides (:class:`~shellcut.tool.coordinate.HasCoordinate`).
+    """
 
     def pose(self, time: float) -> tuple[Floats, Floats]:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r: a Pose, or a pair."""
@@ -51,10 +48,6 @@ class Motion(Protocol):
 
     def twist(self, time: float) -> tuple[Floats, Floats]:
         """Return the angular velocity [rad/s] and that of the body's origin [mm/s], (3,) each."""
-        ...
-
-    def coordinate(self, time: float) -> float:
-        """Return the angle [rad] or the path [mm] travelled."""
         ...
 
 
@@ -141,7 +134,7 @@ class ScrewMotion:
         )
 
     @property
-    def coordinate_unit(self) -> str:
+    def coordinate_unit(self) -> Literal["rad"]:
         """Unit of the coordinate."""
         return "rad"
 
@@ -191,7 +184,7 @@ class StraightMotion:
         object.__setattr__(self, "_direction", _unit("direction", self.direction))
 
     @property
-    def coordinate_unit(self) -> str:
+    def coordinate_unit(self) -> Literal["mm"]:
         """Unit of the coordinate."""
         return "mm"
 

@@ -7,8 +7,8 @@ through
 
 along w (Mozzi's screw axis), and slides along it. The motion keeps an *axis* if w has one direction
 and sense and all c lie on one line along it; it keeps a *line* if it does not turn and v has one
-direction and sense. The coordinate of the motion must grow with the angle or the path itself; that
-of a user-written motion need not.
+direction and sense. If the motion has a coordinate of its own, this must change as the angle or the
+path does.
 
 A body that turns about a line of its own and moves on at u per radian, as a rolling wheel does, has
 an axis that moves, too. There c moves aside by d, the part of u across w. The line of the body that
@@ -27,6 +27,7 @@ import numpy as np
 
 from shellcut.arrays import Floats, Vec3, norm, product, unit
 
+from .coordinate import Coordinate, HasCoordinate
 from .motion import Motion, ScrewMotion, StraightMotion
 from .pose_of_motion import pose_at
 
@@ -36,7 +37,7 @@ N_INSTANT = 256
 AT_REST = 1e-3
 """Fraction of the largest rate of the coordinate: at slower instants the direction is noise."""
 
-# Tolerance of the coordinate's rate against the twist: the travel of a table is interpolated.
+# Tolerance of the rate of a coordinate against the twist.
 _SAME_RATE = 1e-3
 # Tolerance of directions: far above round-off, far below any intended bend.
 _SAME_DIRECTION = 1e-6
@@ -45,8 +46,6 @@ _SAME_DIRECTION = 1e-6
 _SAME_PLACE = 5e-3
 # Tolerance of positions, relative to the distance of the body from the world's origin.
 _ROUND_OFF = 1e-9
-# Half the interval of the rate of the coordinate, relative to the run: its round-off is 1e-10.
-_INTERVAL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -87,6 +86,8 @@ class Instants:
 
     time: Floats
     """[s], shape (n,); ascending."""
+    travel: Floats
+    """The coordinate q, shape (n,), [rad or mm]."""
     spin: Floats
     """dw/dq: rotation per unit of the coordinate, shape (n, 3), [rad] over that unit."""
     shift: Floats
@@ -105,32 +106,26 @@ def kept_axis(motion: Motion, until: float, stray: float = 0.0) -> Axis | Line |
         return _of_screw(motion)
     if type(motion) is StraightMotion:
         return Line(_unit(np.array(motion.direction, float)))
-    seen = instants(motion, until)
-    if not seen.time.size:
-        return None
-    if motion.coordinate_unit != "rad":
-        return _line(seen)
-    travel = np.array([motion.coordinate(t) for t in seen.time.tolist()])
-    return _axis(seen, stray, travel)
+    if isinstance(motion, HasCoordinate):
+        own = Coordinate.own(motion, until)
+        seen = instants(motion, own, until)
+        return _axis(seen, stray) if own.unit == "rad" else _line(seen)
+    line = _line(instants(motion, Coordinate.path(motion, until), until))
+    return line or _axis(instants(motion, Coordinate.angle(motion, until), until), stray)
 
 
-def instants(motion: Motion, until: float) -> Instants:
-    """Return the derivatives of a motion by its coordinate, wherever that changes."""
+def instants(motion: Motion, coordinate: Coordinate, until: float) -> Instants:
+    """Return the derivatives of a motion by a coordinate, wherever that changes."""
     times = (np.arange(N_INSTANT) + 0.5) / N_INSTANT * until
-    rate = np.array([coordinate_rate(motion, t, until) for t in times])
+    rate = np.array([coordinate.rate(t) for t in times.tolist()])
     moves = np.abs(rate) > AT_REST * np.abs(rate).max(initial=0.0)
     times, rate = times[moves], rate[moves]
+    travel = np.array([coordinate.at(t) for t in times.tolist()])
     spin, shift, origin = np.zeros((3, times.size, 3))
     for k, t in enumerate(times.tolist()):
         spin[k], shift[k] = motion.twist(t)
         _, origin[k] = pose_at(motion, t)
-    return Instants(times, spin / rate[:, None], shift / rate[:, None], origin)
-
-
-def coordinate_rate(motion: Motion, time: float, until: float) -> float:
-    """Return the rate of a motion's coordinate [rad/s or mm/s]."""
-    d = _INTERVAL * until
-    return (motion.coordinate(time + d) - motion.coordinate(time - d)) / (2.0 * d)
+    return Instants(times, travel, spin / rate[:, None], shift / rate[:, None], origin)
 
 
 def _of_screw(motion: ScrewMotion) -> Axis:
@@ -146,7 +141,7 @@ def _of_screw(motion: ScrewMotion) -> Axis:
     return Axis(direction, (x, y, z), advance, _triple(drift))
 
 
-def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
+def _axis(seen: Instants, stray: float) -> Axis | None:
     direction = _kept_direction(seen.spin)
     if direction is None:
         return None
@@ -159,7 +154,7 @@ def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
     distance = np.linalg.norm(seen.shift, axis=1).max()
     round_off = _ROUND_OFF * np.linalg.norm(seen.origin, axis=1).max() + stray
     if wander > _SAME_PLACE * distance + round_off:
-        return _drifting(direction, place, seen, travel, _SAME_PLACE * distance + round_off)
+        return _drifting(direction, place, seen, _SAME_PLACE * distance + round_off)
     if norm(middle) <= _SAME_DIRECTION * distance + round_off:
         middle = np.zeros(3)
     ahead = float(product(seen.shift, direction).sum())
@@ -167,10 +162,9 @@ def _axis(seen: Instants, stray: float, travel: Floats) -> Axis | None:
     return Axis(_triple(direction), _triple(middle), _triple(direction if onward else -direction))
 
 
-def _drifting(
-    direction: Floats, place: Floats, seen: Instants, travel: Floats, stray: float
-) -> Axis | None:
+def _drifting(direction: Floats, place: Floats, seen: Instants, stray: float) -> Axis | None:
     """Return an axis that moves on with the angle, None if its places (n, 3) do not lie so."""
+    travel = seen.travel
     after, aside = travel - travel.mean(), place - place.mean(axis=0)
     drift = product(after, aside) / max(float(product(after, after)), np.finfo(float).tiny)
     if norm(aside - after[:, None] * drift).max() > stray:

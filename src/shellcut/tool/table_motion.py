@@ -34,15 +34,8 @@ LARGEST_FREE_TURN = 0.75 * pi
 the axis changes or the angles are known but for whole turns: near half a turn the shorter rotation
 is ambiguous."""
 
-LEAST_TURN = pi / 180.0
-"""Turn of a tool that moves, below which a table is one of a path [rad]: measured angles of a tool
-that does not turn have noise, and the work over so small an angle is no torque."""
-
 SAME_AXIS = 1e-9
 """Sine of the angle between two rotation vectors along one axis: far above round-off."""
-
-SUBDIVISIONS = 16
-"""Pieces of a table interval over which the travelled angle or path is summed."""
 
 SMALL_ANGLE = 1e-4
 """Below this [rad] rotations use series, whose next term is below 1e-17."""
@@ -70,15 +63,12 @@ class TableMotion:
     Before the first and after the last time the tool rests at the end pose, so a run may start
     early and end a step late; a table that ends in motion therefore stops the tool abruptly.
 
-    The coordinate is the travel of the tool, which only grows: the angle (integral of the angular
-    speed) if the table turns by a degree or more, or by less about the body's origin at rest;
-    otherwise the path of that origin.
-
     Examples
     --------
     >>> motion = TableMotion([0.0, 1e-3], [[0.0, 0.0, 0.0], [0.0, 0.0, -2.0]])
-    >>> round(motion.coordinate(1e-3), 9), motion.coordinate_unit
-    (2.0, 'mm')
+    >>> rotation, origin = motion.pose(5e-4)
+    >>> origin.tolist()
+    [0.0, 0.0, -1.0]
     """
 
     times: npt.ArrayLike
@@ -97,8 +87,6 @@ class TableMotion:
     _translation: list[list[float]] = field(init=False, repr=False)
     _rotation: list[list[float]] = field(init=False, repr=False)
     _start: list[tuple[Vec3, Vec3, Vec3]] = field(init=False, repr=False)
-    _turns: bool = field(init=False, repr=False)
-    _travel: list[list[tuple[float, float]]] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         times, translations, vectors = _cast_table(
@@ -118,10 +106,6 @@ class TableMotion:
         object.__setattr__(self, "_rotation", _rotation_cubics(step, turns).tolist())
         rows = [tuple(tuple(row) for row in matrix) for matrix in start.as_matrix().tolist()]
         object.__setattr__(self, "_start", rows)
-        least = LEAST_TURN if shifts.any() else 0.0
-        turned_by = norm(np.cumsum(turns, axis=0)).max()
-        object.__setattr__(self, "_turns", bool(turns.any() and turned_by >= least))
-        object.__setattr__(self, "_travel", self._sum_travel())
         names = ("times", "translations", "rotation_vectors")
         for name, array in zip(names, (times, translations, vectors), strict=True):
             array.flags.writeable = False
@@ -146,25 +130,6 @@ class TableMotion:
         times, translations, rotation_vectors = read_motion_csv(path)
         with naming(path):
             return cls(times, translations, rotation_vectors, unwrap=unwrap)
-
-    @property
-    def coordinate_unit(self) -> str:
-        """Unit of the coordinate: "rad" if the table turns, otherwise "mm"."""
-        return "rad" if self._turns else "mm"
-
-    def coordinate(self, time: float) -> float:
-        """Return the angle [rad] or path [mm] travelled since the first time."""
-        i, dt = self._locate(time)
-        piece = (self._knots[i + 1] - self._knots[i]) / SUBDIVISIONS
-        j = min(int(dt / piece), SUBDIVISIONS - 1)
-        (s0, v0), (s1, v1) = self._travel[i][j], self._travel[i][j + 1]
-        u = dt / piece - j
-        # cubic Hermite: the travel and its rate at both ends of the piece
-        return (
-            s0
-            + u * u * (3.0 - 2.0 * u) * (s1 - s0)
-            + u * (1.0 - u) * piece * ((1.0 - u) * v0 - u * v1)
-        )
 
     def pose(self, time: float) -> Pose:
         """Return R, shape (3, 3), and r, shape (3,), [mm], with x = R X + r."""
@@ -227,29 +192,6 @@ class TableMotion:
             rate[2] + first * c[2] + second * cc[2],
         )
         return turned(self._start[i], spin)
-
-    def _sum_travel(self) -> list[list[tuple[float, float]]]:
-        # (travel, speed) at the ends of the pieces of each interval, by 5-point Gauss per piece
-        nodes, weights = np.polynomial.legendre.leggauss(5)
-
-        def speed(i: int, dt: float) -> float:
-            if self._turns:
-                v0, v1, v2 = self._angular_velocity(i, dt)
-            else:
-                _, (v0, v1, v2) = _cubic(self._translation[i], dt)
-            return sqrt(v0 * v0 + v1 * v1 + v2 * v2)
-
-        travel = 0.0
-        table = []
-        for i in range(len(self._knots) - 1):
-            piece = (self._knots[i + 1] - self._knots[i]) / SUBDIVISIONS
-            row = [(travel, speed(i, 0.0))]
-            for j in range(SUBDIVISIONS):
-                for x, w in zip(nodes.tolist(), weights.tolist(), strict=True):
-                    travel += 0.5 * piece * w * speed(i, piece * (j + 0.5 + 0.5 * x))
-                row.append((travel, speed(i, piece * (j + 1))))
-            table.append(row)
-        return table
 
 
 def _turns(vectors: Floats, start: scipy.spatial.transform.Rotation, *, unwrap: bool) -> Floats:
