@@ -7,6 +7,7 @@ import shellcut as sc
 from films import three_quads_a_triangle
 from shellcut.mesh.structured import rectangle
 from shellcut.results.verdict import IDLE_LIMIT
+from shellcut.tool_shapes import straight_blade
 from teeth import tool_of, tooth, vee
 
 CELL, N_CELL = 5, 4
@@ -155,6 +156,37 @@ def test_two_edges_in_one_quad_are_doubted(y, path, doubted):
     )
     found = [str(one) for one in sc.check_model(run, 1.5e-3).doubts]
     assert any("cut twice" in text for text in found) == doubted
+
+
+def there_and_back(beside, turn, lift):
+    """Return poses of a blade that cuts to x = 8, turns, and comes back ``beside`` its way [mm]."""
+    way = np.array([(-1.0, 0.75), (8.0, 0.75), (8.0 + turn, 0.75 - 0.5 * beside)])
+    back = way[:2][::-1] - [0.0, beside]
+    places = np.column_stack([np.concatenate([way, back]), [0.0, 0.0, lift, 0.0, 0.0]])
+    return places, np.pi * np.array([0.0, 0.0, 0.5, 1.0, 1.0])[:, None] * [0.0, 0.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("beside", "turn", "lift", "doubted"),
+    [
+        *((0.5, 0.0, 20.0, True), (0.4, 2.0, 0.0, True), (0.0, 0.0, 20.0, False)),
+        *((0.1, 0.0, 20.0, False), (1.3, 0.0, 20.0, False)),
+    ],
+)
+def test_an_edge_that_comes_back_beside_its_own_cut_is_doubted(beside, turn, lift, doubted):
+    places, vectors = there_and_back(beside, turn, lift)
+    film = rectangle(10.0, 6.0, size=1.0)
+    run = sc.Simulation(
+        film,
+        sc.ShellMaterial.homogeneous(),
+        supports=[sc.Support.clamped(name) for name in ("bottom", "top")],
+        tool=straight_blade(length=3.0, height=3.0),
+        motion=sc.TableMotion(np.array([0.0, 2.0, 3.0, 4.0, 6.0]) * 1e-3, places, vectors),
+        law=sc.CohesiveLaw(),
+        fracture=sc.Fracture(path="free"),
+    )
+    found = [str(one) for one in sc.check_model(run, 6e-3).doubts]
+    assert any("cut twice" in text and "1 twice" in text for text in found) == doubted
 
 
 def test_a_run_resumed_while_tips_press_pierces_as_the_whole_run(tmp_path):

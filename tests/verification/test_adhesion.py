@@ -410,6 +410,14 @@ def test_what_the_quads_resolve_of_a_glue_is_said():
     assert not [one for one in verdict(coarse) if "snaps" in one.text]
 
 
+@pytest.mark.parametrize("sides", [(1.0, 1.0), (1.0, 0.25), (0.125, 1.0)])
+def test_the_strength_by_default_is_resolved_along_the_longer_sides(sides):
+    mesh = rectangle(4.0, 2.0, n_x=round(4.0 / sides[0]), n_y=round(2.0 / sides[1]))
+    glue = sc.Adhesion(quads=np.arange(mesh.n_quad), energy=0.05)
+    points = glue_of(sc.Simulation(mesh, FILM, terms=[glue]))
+    assert points.zone == pytest.approx(1.5, rel=1e-12)  # sides of 1 mm
+
+
 def test_a_fold_too_small_for_tears_is_doubted_where_the_film_may_crack():
     mesh = rectangle(4.0, 2.0, size=0.5)
 

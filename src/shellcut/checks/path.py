@@ -33,6 +33,8 @@ NEAR_HELD = 0.5
 """Supported nodes closer than this to the path, in edge lengths, stop the blade."""
 ONE_LINE = 0.2
 """Paths that are closer than this in a quad, in edge lengths, are the same cut."""
+_LEFT = 8.0
+"""Ticks without a place of an edge in a quad after which it has left it: four sides of way."""
 SHARE = 0.05
 """Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
@@ -262,9 +264,12 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
 
 
 def _in_one_quad(sweep: Sweep) -> Iterator[Finding]:
-    order = np.lexsort((sweep.chain, sweep.quad))
+    order = np.lexsort((sweep.time, sweep.chain, sweep.quad))
     of = np.stack([sweep.quad, sweep.chain])[:, order]
-    starts = np.flatnonzero(np.diff(of, axis=1, prepend=-1).any(axis=0))
+    begins = np.diff(of, axis=1, prepend=-1).any(axis=0)
+    # An edge that has left a quad may come back to it.
+    begins |= np.diff(sweep.time[order], prepend=0.0) > _LEFT * sweep.tick
+    starts = np.flatnonzero(begins)
     places = np.split(sweep.place[order], starts[1:])
     quad, chain = of[:, starts]
     side = np.sqrt(sweep.mesh.quad_areas())[quad]
@@ -274,10 +279,12 @@ def _in_one_quad(sweep: Sweep) -> Iterator[Finding]:
         if ONE_LINE * side[k] < gap < worst * side[k]:
             worst, apart, at = gap / side[k], gap, k
     if worst < 1.0:
+        one, other = chain[at : at + 2].tolist()
+        who = f"{_chains([one])} twice," if one == other else _chains([one, other])
         yield doubt(
             "no quad may be cut twice, because the second edge then passes through it without "
             "a force",
-            f"{_chains(chain[at : at + 2].tolist())} {apart:.3g} mm apart in a quad with sides of "
-            f"{side[at]:.3g} mm near {point_text(places[at][0], 4)} mm",
+            f"{who} {apart:.3g} mm apart in a quad with sides of {side[at]:.3g} mm near "
+            f"{point_text(places[at][0], 4)} mm",
             f"use quads with sides of at most {0.5 * apart:.2g} mm there",
         )

@@ -31,7 +31,7 @@ from shellcut.arguments import Option, checked
 from shellcut.arrays import Floats, Ints, NodeStiffness, StiffnessBy, norm, three, unit
 from shellcut.material.shell_material import ShellMaterial
 from shellcut.mesh.mesh import Mesh
-from shellcut.mesh.quad_geometry import corner_vectors
+from shellcut.mesh.quad_geometry import corner_vectors, edge_lengths
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.vec3 import add_scaled, dot, load, scale, store, sub
 from shellcut.state import KnownTopology, State
@@ -116,7 +116,7 @@ class Adhesion:
     name: Annotated[str, Option("", "of this glue, if there are several", form="stem")] = "adhesion"
 
     def law(self, material: ShellMaterial, side: float) -> GlueLaw:
-        """Return the law of this glue below a film with quads of that side [mm].
+        """Return the law of this glue below a film with quads of that longest side [mm].
 
         Without a strength it is that at which the process zone has 1.5 sides,
         s = sqrt(E' tau) h^1.5 / (1.5 side)², with E' h³/12 the bending stiffness.
@@ -154,7 +154,7 @@ class Adhesion:
     ) -> ForceTerm:
         """Return the glue points of a film."""
         quads = np.unique(self.glued_quads(mesh))
-        side = sqrt(float(mesh.quad_areas()[quads].max()))
+        side = float(edge_lengths(mesh.nodes, mesh.quads[quads]).max())
         normal = None if self.normal is None else unit(three("normal", self.normal))
         if normal is not None and not normal.any():
             raise ValueError(f"the normal of {self.name} must have a direction, got {self.normal}")
@@ -202,7 +202,7 @@ class GluePoints(ForceTerm):
     name : str
     law : GlueLaw
     side : float
-        Of the largest glued quad [mm].
+        The longest of the glued quads [mm].
     bending : float
         Stiffness of the film [N·mm].
     mesh : Mesh
