@@ -542,3 +542,34 @@ def test_an_edge_is_seen_to_pass_through_each_of_two_sheets(gap):
     for along in (lower, upper):
         assert along.min() < 0.5
         assert along.max() > 8.0
+
+
+@pytest.mark.parametrize(
+    ("apart", "share", "doubted"),
+    [
+        *((12.0, 0.5, True), (12.0, -1.0, True), (12.0, 0.05, False)),
+        *((None, 0.5, True), (None, 0.05, False)),
+    ],
+)
+def test_supports_that_move_parts_of_a_film_apart_are_doubted(apart, share, doubted):
+    """Another sheet, or the other side of the one that is cut, at a share of the blade's speed."""
+    mesh, speed = rectangle(10.0, 6.0, size=1.0), 1000.0
+    still, moved = mesh.node_set("bottom"), mesh.node_set("top")
+    if apart is not None:
+        n, rim = mesh.n_node, mesh.boundary_nodes()
+        nodes = np.concatenate([mesh.nodes, mesh.nodes + np.array([0.0, apart, 0.0])])
+        mesh = sc.Mesh.from_arrays(nodes, np.concatenate([mesh.quads, mesh.quads + n]))
+        still, moved = rim, rim + n
+    sim = sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(),
+        supports=[
+            sc.Support(still, rotation=""),
+            sc.Support(moved, rotation="", velocity={"x": lambda _: share * speed}),
+        ],
+        tool=straight_blade(length=3.0, height=3.0).translated((-6.0, 0.1, 0.0)),
+        motion=sc.StraightMotion((1.0, 0.0, 0.0), speed=speed),
+        law=sc.CohesiveLaw(),
+    )
+    found = [str(one) for one in sc.check_model(sim, 8e-3).doubts]
+    assert any("as one body" in text for text in found) == doubted

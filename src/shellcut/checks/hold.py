@@ -20,6 +20,8 @@ from shellcut.numerics.connected_parts import by_first_appearance, connected_par
 from .finding import Finding, doubt
 from .sweep import Sweep
 
+ONE_MOTION = 0.1
+"""Of the speed of the cutting edges, by which supported nodes may move otherwise than the film."""
 _LEVER = 1e-4
 """Arm of a supported node over the size of its piece that is round-off, and fixes nothing."""
 _WAYS = ("along x", "along y", "along z", "about x", "about y", "about z")
@@ -56,6 +58,22 @@ def check_held_film(sweep: Sweep, support: Bools) -> Iterator[Finding]:
             f"{np.unique(sweep.quad[held]).size:,} quads under their path with all four nodes "
             f"fixed, the first at {point_text(sweep.place[held[0]], 4)} mm",
             "support fewer nodes ([membrane] clamp, [[supports]]), or move the tool away from them",
+        )
+
+
+def check_one_motion(misfit: float, speed: float) -> Iterator[Finding]:
+    """Yield a doubt if supports move parts of the film so differently that no path is that of all.
+
+    misfit : of supported nodes against the rigid motion of the film.  speed : largest of the
+    cutting edges in the film, [mm/s] both.
+    """
+    if misfit > ONE_MOTION * speed:
+        yield doubt(
+            "supports must move the film as one body, or the path of the tool in the film, and "
+            "with it force and torque, is that in the mean of its supports",
+            f"supported nodes that move by up to {misfit:.4g} mm/s otherwise, where the cutting "
+            f"edges move by {speed:.4g} mm/s in the film",
+            "model sheets that move apart in runs of their own, or take works in place of forces",
         )
 
 

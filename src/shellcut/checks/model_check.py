@@ -13,7 +13,7 @@ from shellcut.arguments import checked
 from shellcut.arrays import Bools
 
 from .finding import DOUBT, NOTE, REFUSE, Finding, RefusedModel
-from .hold import check_held_film, check_hold
+from .hold import check_held_film, check_hold, check_one_motion
 from .path import check_path, check_sides
 from .place import check_touch, meeting_remedy
 from .plausible import check_motion, check_numbers, check_steps
@@ -128,6 +128,8 @@ def _findings(sim: Simulation, sweep: Sweep | None, until: float) -> Iterator[Fi
     if sweep is None:
         return  # a blunt tool has no edges whose way could be checked
     yield from check_held_film(sweep, support)
+    if sim.film_motion is not None and len(sweep.place):
+        yield from check_one_motion(sim.film_motion.misfit(until)[0], sweep.top_speed)
     along_edges = sim.fracture.path == "edges"
     if law is not None and not untouched:
         yield from check_path(mesh, support, sim.cables.at_edge, sweep, sim.fracture, remedy)

@@ -124,12 +124,20 @@ class FilmMotion:
         """Return the angular velocity [rad/s] and that of q [mm/s] at a time [s], (3,) each."""
         return self._fit(time, self.pose(time))[:2]
 
-    def is_rigid(self, until: float) -> bool:
-        """Whether the supports move the film as a whole until then [s]."""
+    def misfit(self, until: float) -> tuple[float, float]:
+        """Return by how much supported nodes move otherwise than this motion, and how they move.
+
+        The largest of each until then [s], in mm/s.
+        """
         times = (np.arange(_N_INSTANT) + 0.5) / _N_INSTANT * until
         found = [self._fit(t, self.pose(t))[2] for t in times.tolist()]
-        off, most = np.array(found).max(axis=0)
-        return bool(off <= _RIGID * most)
+        off, most = np.array(found).max(axis=0).tolist()
+        return off, most
+
+    def is_rigid(self, until: float) -> bool:
+        """Whether the supports move the film as a whole until then [s]."""
+        off, most = self.misfit(until)
+        return off <= _RIGID * most
 
     def velocity_at(self, x: Floats, time: float) -> Floats:
         """Return the velocity of the film, were it rigid, at places (n, 3), shape (n, 3) [mm/s]."""
