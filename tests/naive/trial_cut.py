@@ -79,13 +79,14 @@ def gathered(film, state, tip, segment):
                 mass += share * film.shell.mass[row, corner]
                 total -= share * state.quad.share[row] * area_slope(state, row, corner)
             for cable, end, cable_share, closed in cables(film, state, segment, members):
-                area = state.cable.area[cable] / film.shell.material.thickness
-                total += (cable_share - closed) * area * pull_of(state, cable, end)
+                length = state.cable.length[cable]
+                total += (cable_share - closed) * length * pull_of(state, cable, end)
             d += sign * weight * total / mass
             kappa += weight**2 / mass
     # Where no cables are the flanks behind do not pull at the tip.
     normal = unit_normal(state.node.X[state.quads[segment.row]])
-    open_ = max(0.0, 1.0 - behind(film, state, segment) / tip.length) if tip.length else 0.0
+    joined = joined_by(film, state, segment, state.cable.length)
+    open_ = max(0.0, 1.0 - joined / tip.length) if tip.length else 0.0
     missing = 0.5 * open_ * tip.length * np.cross(normal, tip.heading)
     return float(np.linalg.norm(d / kappa - missing))
 
@@ -209,14 +210,23 @@ def side_of(segment, place):
 
 
 def behind(film, state, segment):
-    """Return L_in [mm]: of one side, and of the corners that part, the area of the cables there."""
+    """Return L_in [mm], which has the factor on the strength of the cables there."""
+    thickness = film.shell.material.thickness
+    return joined_by(film, state, segment, state.cable.area / thickness)
+
+
+def joined_by(film, state, segment, length):
+    """Return how much of the segment behind cables join, half of it at the tip [mm].
+
+    length : (n_cable,), of each cable.
+    """
     every = pairs(film, segment)
-    areas = [
-        closed * state.cable.area[cable]
+    lengths = [
+        closed * length[cable]
         for _, (minus, _) in every
         for cable, _, _, closed in cables(film, state, segment, minus)
     ]
-    return 2.0 * sum(areas) / film.shell.material.thickness / sum(weight for weight, _ in every)
+    return 2.0 * sum(lengths) / sum(weight for weight, _ in every)
 
 
 def shares(film, state, segment):

@@ -83,3 +83,36 @@ def test_of_two_equally_good_paths_a_crack_takes_one():
     assert 0.0 < last < 1.5 * 0.6
     book = sim.close_ledger()
     assert abs(book.relative(book.imbalance)) < 5e-3
+
+
+@pytest.mark.parametrize("factor", [0.3, 3.0])
+@pytest.mark.parametrize("slope", [0.25, -0.1])
+def test_a_factor_that_is_the_same_in_all_directions_is_a_scaled_law(factor, slope):
+    def torn(film, scale):
+        mesh = rectangle(12.0, 6.0, size=0.8)
+        x, y = mesh.nodes[:, 0] - mesh.nodes[:, 0].min(), mesh.nodes[:, 1]
+        strength = scale * np.array([12.0, 8.0, 8.0, 0.0])
+        law = sc.CohesiveTable(openings=[0.0, 0.06, 0.5, 0.7], tractions=strength)
+        legs = [np.flatnonzero((x < 1e-9) & (sign * y > 1.0)) for sign in (1.0, -1.0)]
+        pulls = [
+            sc.Support(leg, translation="yz", rotation="", velocity={"y": lambda _, v=v: v})
+            for leg, v in zip(legs, (800.0, -800.0), strict=True)
+        ]
+        sim = free_film(
+            from_zero(mesh),
+            material=sc.ShellMaterial.homogeneous(thickness=0.2, young=4000.0, poisson=0.3),
+            law=law,
+            fracture=sc.Fracture(path="free", anisotropy=film),
+            supports=[*pulls, sc.Support("right", rotation="")],
+        )
+        sim.notch((-0.2, -0.37, 0.0), (2.5, -0.37 + 2.7 * slope, 0.0))
+        while sum(split.kind == "tear" for split in sim.state.split_log) < 3:
+            sim.step()
+            assert sim.state.time < 3e-3
+        return sim
+
+    film = sc.Anisotropy(direction=(1.0, 0.0, 0.0), along=factor, across=factor)
+    one, other = torn(film, 1.0), torn(None, factor)
+    for ours, theirs in zip(one.state.split_log, other.state.split_log, strict=True):
+        assert ours.time == pytest.approx(theirs.time, rel=1e-9)
+        assert ours.end == pytest.approx(theirs.end, abs=1e-9)

@@ -145,6 +145,22 @@ def test_around_the_edge_the_tensions_part_as_euler_says():
     assert np.divide(*pulls(state)) == pytest.approx(np.exp(-mu * turn), rel=0.05)
 
 
+def test_cables_that_an_edge_severs_slip_by_the_law_that_they_have_there():
+    """The way over which friction sets in is a share of their own opening, not of the film's."""
+    film = sc.CohesiveLaw(
+        cutting_energy=10.0, severing_pressure=400.0, joint="slip", joint_friction=0.3
+    )
+    edge, ends = film.at_edge(0.0), np.array([(-0.1, -0.05, 0.0), (-0.1, 0.05, 0.0)])
+    found = []
+    for law in (film, edge):
+        cables, state = one_cable(law, (-0.01, -0.05, 0.0), (-0.01, 0.05, 0.0))
+        for k in range(4):
+            evaluated(cables, state, *(ends + k * np.array([(-1e-4, 0.0, 0.0), (5e-5, 0.0, 0.0)])))
+        found.append(pulls(state))
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+    assert found[0][0] > 1.01 * found[0][1] > 0.0  # it has begun to slip
+
+
 def test_a_joint_goes_on_over_vertices_and_stays_at_the_open_end():
     tool = tooth_ring(n_teeth=1, radius=6.0)
     chain = tool.vertices[np.append(tool.edges[:, 0], tool.edges[-1, 1])]

@@ -195,3 +195,15 @@ def test_a_film_pulled_along_an_axis_thins_by_the_modulus_there(angle_deg, axis)
     strain = np.linalg.solve(film.plane_stress(), stress)
     modulus = (film.young_along, film.young_across)[axis]
     assert -film.thickness_slope() @ strain == pytest.approx(-0.35 * 7.0 / modulus, rel=1e-12)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 30.0, 45.0, 101.0])
+def test_the_stiffness_for_contact_does_not_depend_on_how_axes_are_given(angle_deg):
+    def film(angle_in_layer, angle_of_film):
+        law = Orthotropic(10000.0, 1000.0, 0.3, 300.0, 1e-9, angle_deg=angle_in_layer)
+        along = np.radians(angle_of_film)
+        way = (np.cos(along), np.sin(along), 0.0)
+        return ShellMaterial([Layer(law, 0.1)], direction=way)
+
+    turned = [film(angle_deg, 0.0), film(0.0, angle_deg), film(0.5 * angle_deg, 0.5 * angle_deg)]
+    assert {one.stretching_stiffness for one in turned} == {1000.0}

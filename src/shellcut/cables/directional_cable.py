@@ -140,7 +140,7 @@ class CableSet(ForceTerm):
         self.directional = directional and tool is not None
         self._laws = law.parameters(), self.at_edge.parameters()
         self._edges = CuttingEdges.of(tool)
-        self._joint = joint_law(law, tool)
+        self._joint = joint_law(self.at_edge, tool)
         # kappa, and eta + kappa of a round edge, of a cable that is bent back on itself.
         belt = np.pi * self._joint.friction
         self._grip = math.tanh(0.5 * belt)

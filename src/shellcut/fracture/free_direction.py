@@ -187,7 +187,9 @@ class FreeDirection:
             most = max(float(np.abs(released).max()), _TINY)
             if ahead.force is not None:
                 top = max(float(stress.max()), _TINY)
-                phi *= (sheet_stress(top, self._zone_of * most / ahead.distance) / top) ** 2
+                # Its strength depends on the direction, too.
+                zone = self._zone_of * float(np.abs(released / ahead.factors).max())
+                phi *= (sheet_stress(top, zone / ahead.distance) / top) ** 2
             phi += max(1.0 - phi.max(), 0.0) * released / most
         angle = _between(phi, int(np.argmax(phi)))
         yield unit(product(np.array([math.cos(angle), math.sin(angle)]), moved))

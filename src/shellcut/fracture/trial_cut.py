@@ -326,6 +326,7 @@ class TrialSums:
             c.status,
             c.force,
             c.area,
+            c.length,
             trial.carried,
             trial.thickness,
         )
@@ -374,13 +375,15 @@ def _weigh_trials(
     status: SmallInts,
     cable_force: Floats,
     cable_area: Floats,
+    cable_length: Floats,
     carried: float,
     thickness: float,
 ) -> None:
     """Write what trial cuts have at their tips.
 
     x, t, X : (n_node, 3).  corner_force : (n_corner, 3), [N].  status : (n_cable,).  cable_force :
-    (n_cable, 2, 3), [N].  cable_area : (n_cable,), [mm²].  carried : sigma_F h [N/mm].
+    (n_cable, 2, 3), [N].  cable_area, cable_length : (n_cable,), [mm²] and [mm].  carried :
+    sigma_F h [N/mm].
     """
     trials = borrowed(trials)
     aimed, weighed = trials.aimed, trials.weighed
@@ -390,7 +393,7 @@ def _weigh_trials(
         trial[trials.start[k] : trials.start[k + 1]] = k
     # f of each class: of whole rows, or of the part of the row that lies on its side of the ray.
     force, cable_force_behind, span = np.zeros((3, trials.weight.shape[0], 2, 3))
-    cable_area_behind = np.zeros(n_trial)
+    cable_area_behind, cable_length_behind = np.zeros((2, n_trial))
     for i in range(trials.member.shape[0]):
         p, side, part, corner = _four(trials.member, i)
         share = _part(part, aimed.right[trials.tip[trial[p]]])
@@ -403,10 +406,11 @@ def _weigh_trials(
         if status[cable] == BROKEN:
             continue
         cable_area_behind[trial[p]] += trials.share[i, 1] * cable_area[cable]
+        cable_length_behind[trial[p]] += trials.share[i, 1] * cable_length[cable]
         for c in range(3):
             force[p, side, c] += trials.share[i, 0] * cable_force[cable, end, c]
             cable_force_behind[p, side, c] += trials.share[i, 1] * cable_force[cable, end, c]
-            not_at_tip = (trials.share[i, 0] - trials.share[i, 1]) * cable_area[cable] / thickness
+            not_at_tip = (trials.share[i, 0] - trials.share[i, 1]) * cable_length[cable]
             span[p, side, c] += not_at_tip * trials.along[i, c]
     for k in range(n_trial):
         tip = trials.tip[k]
@@ -437,7 +441,8 @@ def _weigh_trials(
         weighed.gathered[tip] = 0.0
         if right < 1.0:  # through a quad
             behind = load(trials.behind, tip)
-            open_behind = max(0.0, 1.0 - length_in / max(norm(behind), _TINY))
+            joined = cable_length_behind[k] / sum_of_weights
+            open_behind = max(0.0, 1.0 - joined / max(norm(behind), _TINY))
             gathered = sub(scale(1.0 / kappa, s), scale(0.5 * open_behind, behind))
             weighed.gathered[tip] = norm(gathered)  # (4)
         carries = carried * _carrying(length_in, out, weighed.gathered[tip])

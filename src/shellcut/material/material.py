@@ -55,7 +55,7 @@ class Material(ABC):
     def stretching_modulus(self) -> float:
         """Nominal modulus in tension [MPa], for contact penalty, guards and checks.
 
-        Young's modulus; if it depends on the direction, the larger of the two.
+        Young's modulus; if it depends on the direction, the larger of those along two axes.
         """
         compliance = inverse(self.plane_stress())
         return float(1.0 / min(compliance[0, 0], compliance[1, 1]))

@@ -114,6 +114,11 @@ class Orthotropic(Material):
                 f"stretched, got {self.poisson!r}"
             )
 
+    @property
+    def stretching_modulus(self) -> float:
+        """The larger of the two moduli [MPa], however the axes lie in the film."""
+        return max(self.young_along, self.young_across)
+
     def compliance(self) -> Floats:
         """Return C⁻¹ in the material's own axes, shape (3, 3) [1/MPa]."""
         e1, e2 = self.young_along, self.young_across
