@@ -196,6 +196,11 @@ class Recorder:
 
     def __call__(self, sim: Simulation) -> None:
         """Write what is due."""
+        if self._closed:
+            raise ValueError(
+                f"a Recorder records one run, and that in {self.folder} has ended: make another "
+                "one, in another folder or with resume=True"
+            )
         now, clock = sim.state.time, time.perf_counter()
         # Before the rest, which a resumed run writes: it need not wait for the first picture.
         if clock - self._saved >= self._checkpoint_every:
