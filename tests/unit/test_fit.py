@@ -11,6 +11,8 @@ import shellcut as sc
 from shellcut import compare, read
 from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
+from shellcut.numerics.broken_line import BrokenLine
+from shellcut.results.comparison import shares
 from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.fit_runs import FreeParameters
@@ -136,18 +138,36 @@ def test_intervals_are_those_of_linear_regression():
     found, nu = covariance_of(slopes, noise, [np.eye(50)[0]])
     expected = noise @ noise / 48.0 * np.linalg.inv(slopes.T @ slopes)
     np.testing.assert_allclose(found, expected, rtol=1e-9)  # of the small ridge
-    assert nu == pytest.approx(48.0)
-    # Two curves with correlations of their own, with whole matrices.
+    np.testing.assert_allclose(nu, 48.0)
+    # Two curves with errors and correlations of their own, with whole matrices.
     alike = [np.maximum(1.0 - np.arange(n) / m, 0.0) for n, m in ((20, 4.0), (30, 7.0))]
     found, nu = covariance_of(slopes, noise, alike)
-    S = scipy.linalg.block_diag(*map(scipy.linalg.toeplitz, alike))
     P = np.linalg.inv(slopes.T @ slopes)
-    M_S = S - slopes @ P @ slopes.T @ S
-    expected = noise @ noise / np.trace(M_S) * P @ slopes.T @ S @ slopes @ P
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
-    assert nu == pytest.approx(np.trace(M_S) ** 2 / np.trace(M_S @ M_S))
-    nothing, _ = covariance_of(0.0 * slopes, noise, [np.eye(50)[0]])
-    assert np.isinf(nothing.diagonal()).all()
+    parts, shared = [], 0.0
+    for c, of in zip(alike, (slice(20), slice(20, 50)), strict=True):
+        J, S = slopes[of], scipy.linalg.toeplitz(c)
+        M_S = S - J @ P @ J.T @ S
+        variance = noise[of] @ noise[of] / np.trace(M_S)
+        parts.append(variance * P @ J.T @ S @ J @ P)
+        shared += np.diag(parts[-1]) ** 2 * np.trace(M_S @ M_S) / np.trace(M_S) ** 2
+    np.testing.assert_allclose(found, sum(parts), rtol=1e-9)
+    np.testing.assert_allclose(nu, np.diag(sum(parts)) ** 2 / shared, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "unknown"),
+    [
+        (np.zeros((25, 2)), [True, True]),
+        (np.outer(np.ones(25), [1.0, 0.0]), [False, True]),  # no curve depends on the second
+        (np.eye(25, 5) + np.eye(25, 5, -5), [False] * 5),
+        (np.eye(25, 6), [True] * 6),  # five parameters of the five points of the first curve
+        (np.eye(25, 26), [True] * 26),
+    ],
+)
+def test_the_interval_of_what_the_data_do_not_tell_is_wide(slopes, unknown):
+    noise, alike = np.random.default_rng(1).standard_normal(25), [np.eye(5)[0], np.eye(20)[0]]
+    C, _ = covariance_of(slopes, noise, alike)
+    np.testing.assert_array_equal(np.diag(C) > 1e6, unknown)
 
 
 @pytest.fixture(scope="module")
@@ -186,8 +206,56 @@ def test_95_of_100_intervals_hold_the_truth(known, window):
         off = np.linalg.lstsq(slopes, noise, rcond=None)[0]
         missed = noise - slopes @ off
         C, nu = covariance_of(slopes, missed, [correlations(replace(one, simulated=missed))])
-        held += abs(off[0]) < scipy.stats.t.ppf(0.975, nu) * np.sqrt(C[0, 0])
+        held += abs(off[0]) < scipy.stats.t.ppf(0.975, nu[0]) * np.sqrt(C[0, 0])
     assert 0.93 * 400 < held < 0.985 * 400  # standard deviation 1.1 %
+
+
+def apart(c, x):
+    """Derivatives of a curve: each parameter acts on one."""
+    return np.eye(2)[c] * (1.0 - np.exp(-5.0 * x[:, None]))
+
+
+def together(c, x):
+    """The same of cuts by blades of two radii, with the energy G_0 + 2 r H."""
+    parts = np.array([4.0, (2.0, 4.0)[c]])
+    return parts / parts.sum() * (1.0 - np.exp(-5.0 * x[:, None]))
+
+
+@pytest.mark.parametrize("derivatives", [apart, together])
+@pytest.mark.parametrize(
+    ("n", "sigma", "width"),
+    [
+        ((50, 2000), (0.03, 0.03), 0.05),
+        ((2000, 50), (0.03, 0.03), None),
+        ((150, 150), (0.1, 0.01), 0.05),
+        ((60, 400), (0.1, 0.01), 0.1),
+        ((400, 60), (0.1, 0.01), 0.05),
+    ],
+)
+def test_95_of_100_intervals_hold_the_truth_for_each_curve(known, derivatives, n, sigma, width):
+    rng, one, n_set = np.random.default_rng(0), compare(*known), 250
+    lines = [np.linspace(0.0, 1.0, k) for k in n]
+    weights = [np.sqrt(shares(x)) for x in lines]
+    slopes = np.vstack(
+        [
+            w[:, None] * derivatives(c, x)
+            for c, (w, x) in enumerate(zip(weights, lines, strict=True))
+        ]
+    )
+    each, held = [replace(one, x=x, measured=0.0 * x, window=width) for x in lines], 0
+    for _ in range(n_set):
+        noise = [s * rng.standard_normal(k) for s, k in zip(sigma, n, strict=True)]
+        if width:
+            noise = [BrokenLine(x, e).mean_at(x, width) for x, e in zip(lines, noise, strict=True)]
+        noise = np.concatenate([w * e for w, e in zip(weights, noise, strict=True)])
+        off = np.linalg.lstsq(slopes, noise, rcond=None)[0]
+        missed = noise - slopes @ off
+        several = np.split(missed / np.concatenate(weights), n[:1])
+        alike = [correlations(replace(c, simulated=e)) for c, e in zip(each, several, strict=True)]
+        C, nu = covariance_of(slopes, missed, alike)
+        held = held + (abs(off) < scipy.special.stdtrit(nu, 0.975) * np.sqrt(np.diag(C)))
+    assert (0.91 * n_set < held).all()  # standard deviation 1.4 %
+    assert (held < 0.99 * n_set).all()
 
 
 def test_a_miss_that_is_no_noise_is_alike_over_its_length(known):
