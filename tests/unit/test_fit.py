@@ -1,7 +1,9 @@
 """The parts of a fit: energy that is kept, misfit of curves, intervals; and a fit of real runs."""
 
+import json
 import shutil
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from shellcut.results.comparison import shares
 from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.fit_runs import FreeParameters
+from shellcut.study.one_run import Outcome
 from shellcut.study.plan import sought
 from shellcut.study.report import report_found
 from tiny_study import SETTINGS
@@ -276,6 +279,87 @@ def test_a_run_is_compared_at_the_points_of_the_first(known, tmp_path):
     (other / "history.csv").write_text("".join(rows[: len(rows) // 2]))
     with pytest.raises(ValueError, match="the run must reach from"):
         compared(other, curve, 0.3, points)
+
+
+@pytest.fixture
+def by_formula(known, monkeypatch):
+    """Return a function that fits plateau and last opening of a formula in place of a run."""
+    x, rng = np.linspace(0.0, 10.0, 200), np.random.default_rng(3)
+    noise, one = 0.03 * rng.standard_normal(x.size), replace(compare(*known), x=x, window=None)
+
+    def force(values, effect):
+        opening = values[OPENING] / 4.0 - 1.0
+        return values[PLATEAU] * (1.0 - np.exp(-x)) * (1.0 + effect * opening * np.exp(-x / 3.0))
+
+    def fitted(out, truth, effect, fails, **search):
+        measured = force(truth, effect) + noise * truth[PLATEAU]
+
+        def run_values(variants, several, *_):
+            done = [SimpleNamespace(folder=lambda _, v=values: v) for values in several]
+            status = ["failed" if fails(v[PLATEAU], v[OPENING]) else "done" for v in several]
+            return list(zip(done, map(Outcome, status), strict=True))
+
+        def compared(values, *_):
+            return replace(one, measured=measured, simulated=force(values, effect))
+
+        monkeypatch.setattr("shellcut.study.fit.run_values", run_values)
+        monkeypatch.setattr("shellcut.study.fit_runs.compared", compared)
+        monkeypatch.setattr("shellcut.study.fit_runs.window_of", lambda *_: 0.0)
+        ranges = {PLATEAU: "2:48", OPENING: "1:16"}
+        curves = [sc.FitCurve(known[1])]
+        return sc.fit("guillotine", curves, out, settings=ranges, search=sc.Search(**search))
+
+    return fitted
+
+
+@pytest.mark.parametrize(
+    ("effect", "fails"),
+    [
+        (1.0, lambda plateau, opening: plateau > 12.3),
+        (0.05, lambda plateau, opening: opening > 4.1),
+        (0.05, lambda plateau, opening: opening > 4.2 and plateau > 11.0),
+        (1.0, lambda plateau, opening: plateau > 12.0 or opening > 4.2),
+        (1.0, lambda plateau, opening: abs(np.log(opening / 4.0)) > 0.06),  # half a step runs
+    ],
+)
+def test_a_run_that_fails_does_not_narrow_an_interval(by_formula, tmp_path, effect, fails):
+    truth = {PLATEAU: 11.8, OPENING: 4.0}
+    all_run, some_fail = (
+        by_formula(tmp_path / name, truth, effect, one)
+        for name, one in (("all", lambda *_: False), ("some", fails))
+    )
+    for one, other in zip(some_fail.values, all_run.values, strict=True):
+        assert np.log(one.high / one.low) > 0.8 * np.log(other.high / other.low), one.key
+    hardly = "the data hardly determine cohesive.opening_u" in str(all_run)
+    assert hardly == (effect < 0.1)
+    assert ("the data hardly determine cohesive.opening_u" in str(some_fail)) == hardly
+    assert "could not be run" in str(some_fail)
+
+
+def test_an_interval_is_unknown_without_any_run_beside_the_value(by_formula, tmp_path):
+    truth = {PLATEAU: 11.0, OPENING: 4.5}
+    found = by_formula(tmp_path, truth, 1.0, lambda plateau, opening: opening != 4.0)
+    plateau, opening = found.values
+    assert plateau.low < plateau.value < plateau.high < 1.2 * plateau.value
+    assert opening.value == opening.start == 4.0
+    assert np.isnan([opening.low, opening.high]).all()
+    head, _, row, *said = str(found).splitlines()
+    assert row.endswith("unknown mm")
+    assert any(f"the interval of {OPENING} is unknown" in line for line in said)
+    assert "hardly" not in str(found)
+    assert json.loads((tmp_path / "fit.json").read_text())["values"][1]["low"] is None
+
+
+@pytest.mark.parametrize("method", ["local", "global"])
+@pytest.mark.parametrize("truth", [3.0, 3.4])
+def test_values_that_cannot_be_run_are_not_the_best(by_formula, tmp_path, truth, method):
+    # The start is so far off that no force at all misses the curve by less.
+    values = {PLATEAU: truth, OPENING: 4.0}
+    found = by_formula(tmp_path, values, 1.0, lambda plateau, _: 4.0 < plateau < 7.0, method=method)
+    assert found.rms_at_start > 2.0
+    assert any("could not be run" in note for note in found.notes)
+    value = found.values[0].value
+    assert value > 7.0 if method == "local" else value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):

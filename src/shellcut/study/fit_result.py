@@ -58,7 +58,7 @@ class FittedValue:
     """In the unit."""
     low: float
     high: float
-    """Ends of the 95 % interval; nan for one that follows from the others."""
+    """Ends of the 95 % interval; nan for one that follows from the others, and if it is unknown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class FitResult:
     rms_at_start: float
     """Root mean square difference over the measured peak, now and at the start."""
     correlation: Floats
-    """Of the varied parameters, shape (n, n)."""
+    """Of the varied parameters, shape (n, n); nan with one whose interval is unknown."""
     n_run: int
     """Runs it rests on."""
     notes: tuple[str, ...]
@@ -85,8 +85,10 @@ class FitResult:
     def __str__(self) -> str:
         """Return a small table and the notes."""
         lines = [f"{'key':<34}{'start':>12}{'fitted':>12}   95 % interval"]
-        for one in self.values:
-            between = f"{one.low:.4g} to {one.high:.4g}" if one.low == one.low else "follows"
+        for k, one in enumerate(self.values):
+            between = f"{one.low:.4g} to {one.high:.4g}"
+            if one.low != one.low:
+                between = "unknown" if k < len(self.correlation) else "follows"
             unit = f" {one.unit}" if one.unit else ""
             lines.append(f"{one.key:<34}{one.start:>12.5g}{one.value:>12.5g}   {between}{unit}")
         lines.append(
@@ -148,7 +150,12 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     found, at_start = runs.at(best), runs.at(np.zeros(best.size))
     missed, comparisons, start = found.residuals, found.comparisons, at_start.residuals
     n_curve = len(comparisons)
-    covariance, nu = covariance_of(slopes, missed, [correlations(one) for one in comparisons])
+    # Without the derivatives of some, the intervals of the others are those with these as they are.
+    known = np.flatnonzero(~np.isnan(slopes).any(axis=0))
+    covariance, nu = np.full((best.size, best.size), np.nan), np.full(best.size, np.nan)
+    covariance[np.ix_(known, known)], nu[known] = covariance_of(
+        slopes[:, known], missed, [correlations(one) for one in comparisons]
+    )
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
@@ -227,7 +234,12 @@ def _judged(
             for j in range(k)
             if abs(correlation[j, k]) > _APART
         ]
-        if not one.high < _WIDE * one.value:
+        if one.high != one.high:
+            notes.append(
+                f"the interval of {one.key} is unknown, as no run with values near it could be "
+                "taken; the other intervals hold only for this value"
+            )
+        elif not one.high < _WIDE * one.value:
             notes.append(
                 f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "
                 f"{one.high:.3g} {one.unit}".rstrip()
