@@ -343,7 +343,7 @@ def test_an_interval_is_unknown_without_any_run_beside_the_value(by_formula, tmp
     assert plateau.low < plateau.value < plateau.high < 1.2 * plateau.value
     assert opening.value == opening.start == 4.0
     assert np.isnan([opening.low, opening.high]).all()
-    head, _, row, *said = str(found).splitlines()
+    _, _, row, *said = str(found).splitlines()
     assert row.endswith("unknown mm")
     assert any(f"the interval of {OPENING} is unknown" in line for line in said)
     assert "hardly" not in str(found)
