@@ -63,7 +63,7 @@ class TestBand:
     def test_meshes_without_an_order_are_told(self, values):
         bar = error_bar("force_peak_N", MESHES, values)
         assert bar.order is None
-        (said,) = ErrorBars("", MESHES, (bar,), {}).said()
+        said, *_ = ErrorBars("", MESHES, (bar,), {}).said()
         assert "does not converge with an order" in said
 
     def test_a_crack_is_known_to_an_edge(self):
@@ -98,7 +98,31 @@ def test_the_table_has_two_digits_of_the_half_width(found):
     assert peak.split()[-5:] == ["2.85", "0.21", "0.2", "0.05", "0.043"]
     assert crack.split()[-5:] == ["12.00", "0.27", "0.27", "-", "-"]
     assert said[0].endswith("most of ± is mesh: sides half as long would leave ± 0.12 N")
-    assert said[-1] == "speed: slower <b> is not done"
+    assert said[-2:] == ["speed: slower <b> is not done", "scatter: no run has it for crack length"]
+
+
+@pytest.mark.parametrize(
+    ("values", "silent"),
+    [
+        # As given, finer, slower, moved, of two values each.
+        ([(3.0, 2.9, 2.9, 3.1), (9.0, 8.0, 9.0, 9.1)], []),
+        ([(3.0, None, 2.9, 3.1), (9.0, 8.0, 9.0, 9.1)], [("mesh", "force, peak")]),
+        ([(3.0, 2.9, None, 3.1), (9.0, 8.0, None, 9.1)], [("speed", "force, peak, torque, peak")]),
+        (
+            [(3.0, 2.9, 2.9, None), (9.0, None, 9.0, 9.1)],
+            [("mesh", "torque, peak"), ("scatter", "force, peak")],
+        ),
+        ([(3.0, 2.9, 2.9, 3.1), (9.0, None, None, None)], []),  # said of the value
+    ],
+)
+@pytest.mark.parametrize("reasons", [{}, {"mesh": ["left out"]}])
+def test_every_part_that_is_not_there_has_a_line(values, silent, reasons):
+    runs, names = (GIVEN, FINE, SLOW, MOVED), ("force_peak_N", "torque_peak_Nmm")
+    bars = tuple(error_bar(name, runs, v) for name, v in zip(names, values, strict=True))
+    said = ErrorBars("", runs, bars, reasons).said()[2:]
+    expected = {part: f"no run has it for {of}" for part, of in silent}
+    expected |= {part: "; ".join(why) for part, why in reasons.items()}
+    assert said == [f"{part}: {why}" for part, why in expected.items()]
 
 
 def test_the_section_of_a_report_shows_every_run_and_escapes_what_is_said(found):
@@ -166,7 +190,7 @@ def of_film(**keys):
         ("opening", {"mesh": "quick"}, "slower", {"motion.duration": 0.012}),
         # Discs and sheets of rows.
         ("free", of_film(n_side=13, n_layer=6), "finer mesh", of_film(n_side=19, n_layer=9)),
-        ("free", of_film(**SHEET), "coarser mesh", of_film(n_x=14, n_y=5)),
+        ("free", of_film(**SHEET), "coarser mesh", of_film(n_x=12, n_y=5)),
         ("free", of_film(**SHEET), "nodes moved", AWAY),
         ("free", of_film(**SHEET), "slower", {"motion.duration": 0.002}),
         # A film along the path is meshed anew.
@@ -185,6 +209,32 @@ def test_a_companion_changes_one_thing(tmp_path, model, settings, name, keys):
     found, missing = companions(model, settings)
     assert missing == {}
     assert changed(found, name) == pytest.approx(keys)
+
+
+@pytest.mark.parametrize(
+    ("model", "film", "rows"),
+    [
+        # Rows across as given: on the coarser mesh, on the finer one.
+        *(("guillotine", {"size": 8.0 / n}, n) for n in (1, 2, 3, 4, 5, 6, 11)),
+        *(("trouser", {"size": 6.0 / n, "width": 6.0}, n) for n in (2, 4)),
+        *(("free", {**SHEET, "n_y": n}, n) for n in (1, 2, 3, 7)),
+        *(("free", {"n_side": n}, n) for n in (1, 2, 3)),
+    ],
+)
+def test_few_rows_have_another_mesh_of_as_many_by_two(tmp_path, model, film, rows):
+    if model == "free":
+        model = tmp_path / "free.toml"
+        model.write_text(FREE)
+    runs, missing = companions_of(read_model(model, of_film(**film)))
+    sizes = {run.name: run.size for run in runs if run.part == "mesh"}
+    assert "mesh" not in missing
+    assert sizes["finer mesh"] < 1.0 < sizes.get("coarser mesh", 2.0)
+    assert ("coarser mesh" in sizes) == (rows > 2)
+    for size in sizes.values():
+        n = rows / size
+        assert (round(n) - rows) % 2 == 0
+        assert n == pytest.approx(round(n))
+        assert abs(n - rows) >= 2.0 - 1e-9
 
 
 def test_which_companions_a_model_gets(tmp_path):

@@ -1,7 +1,9 @@
 """The parts of a fit: energy that is kept, misfit of curves, intervals; and a fit of real runs."""
 
+import json
 import shutil
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +13,12 @@ import shellcut as sc
 from shellcut import compare, read
 from shellcut.command_line import main
 from shellcut.model_file.reader import ModelVariants
+from shellcut.numerics.broken_line import BrokenLine
+from shellcut.results.comparison import shares
 from shellcut.study.curve_misfit import compared, correlations, residuals
 from shellcut.study.fit_result import covariance_of
 from shellcut.study.fit_runs import FreeParameters
+from shellcut.study.one_run import Outcome
 from shellcut.study.plan import sought
 from shellcut.study.report import report_found
 from tiny_study import SETTINGS
@@ -136,18 +141,36 @@ def test_intervals_are_those_of_linear_regression():
     found, nu = covariance_of(slopes, noise, [np.eye(50)[0]])
     expected = noise @ noise / 48.0 * np.linalg.inv(slopes.T @ slopes)
     np.testing.assert_allclose(found, expected, rtol=1e-9)  # of the small ridge
-    assert nu == pytest.approx(48.0)
-    # Two curves with correlations of their own, with whole matrices.
+    np.testing.assert_allclose(nu, 48.0)
+    # Two curves with errors and correlations of their own, with whole matrices.
     alike = [np.maximum(1.0 - np.arange(n) / m, 0.0) for n, m in ((20, 4.0), (30, 7.0))]
     found, nu = covariance_of(slopes, noise, alike)
-    S = scipy.linalg.block_diag(*map(scipy.linalg.toeplitz, alike))
     P = np.linalg.inv(slopes.T @ slopes)
-    M_S = S - slopes @ P @ slopes.T @ S
-    expected = noise @ noise / np.trace(M_S) * P @ slopes.T @ S @ slopes @ P
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
-    assert nu == pytest.approx(np.trace(M_S) ** 2 / np.trace(M_S @ M_S))
-    nothing, _ = covariance_of(0.0 * slopes, noise, [np.eye(50)[0]])
-    assert np.isinf(nothing.diagonal()).all()
+    parts, shared = [], 0.0
+    for c, of in zip(alike, (slice(20), slice(20, 50)), strict=True):
+        J, S = slopes[of], scipy.linalg.toeplitz(c)
+        M_S = S - J @ P @ J.T @ S
+        variance = noise[of] @ noise[of] / np.trace(M_S)
+        parts.append(variance * P @ J.T @ S @ J @ P)
+        shared += np.diag(parts[-1]) ** 2 * np.trace(M_S @ M_S) / np.trace(M_S) ** 2
+    np.testing.assert_allclose(found, sum(parts), rtol=1e-9)
+    np.testing.assert_allclose(nu, np.diag(sum(parts)) ** 2 / shared, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "unknown"),
+    [
+        (np.zeros((25, 2)), [True, True]),
+        (np.outer(np.ones(25), [1.0, 0.0]), [False, True]),  # no curve depends on the second
+        (np.eye(25, 5) + np.eye(25, 5, -5), [False] * 5),
+        (np.eye(25, 6), [True] * 6),  # five parameters of the five points of the first curve
+        (np.eye(25, 26), [True] * 26),
+    ],
+)
+def test_the_interval_of_what_the_data_do_not_tell_is_wide(slopes, unknown):
+    noise, alike = np.random.default_rng(1).standard_normal(25), [np.eye(5)[0], np.eye(20)[0]]
+    C, _ = covariance_of(slopes, noise, alike)
+    np.testing.assert_array_equal(np.diag(C) > 1e6, unknown)
 
 
 @pytest.fixture(scope="module")
@@ -186,8 +209,56 @@ def test_95_of_100_intervals_hold_the_truth(known, window):
         off = np.linalg.lstsq(slopes, noise, rcond=None)[0]
         missed = noise - slopes @ off
         C, nu = covariance_of(slopes, missed, [correlations(replace(one, simulated=missed))])
-        held += abs(off[0]) < scipy.stats.t.ppf(0.975, nu) * np.sqrt(C[0, 0])
+        held += abs(off[0]) < scipy.stats.t.ppf(0.975, nu[0]) * np.sqrt(C[0, 0])
     assert 0.93 * 400 < held < 0.985 * 400  # standard deviation 1.1 %
+
+
+def apart(c, x):
+    """Derivatives of a curve: each parameter acts on one."""
+    return np.eye(2)[c] * (1.0 - np.exp(-5.0 * x[:, None]))
+
+
+def together(c, x):
+    """The same of cuts by blades of two radii, with the energy G_0 + 2 r H."""
+    parts = np.array([4.0, (2.0, 4.0)[c]])
+    return parts / parts.sum() * (1.0 - np.exp(-5.0 * x[:, None]))
+
+
+@pytest.mark.parametrize("derivatives", [apart, together])
+@pytest.mark.parametrize(
+    ("n", "sigma", "width"),
+    [
+        ((50, 2000), (0.03, 0.03), 0.05),
+        ((2000, 50), (0.03, 0.03), None),
+        ((150, 150), (0.1, 0.01), 0.05),
+        ((60, 400), (0.1, 0.01), 0.1),
+        ((400, 60), (0.1, 0.01), 0.05),
+    ],
+)
+def test_95_of_100_intervals_hold_the_truth_for_each_curve(known, derivatives, n, sigma, width):
+    rng, one, n_set = np.random.default_rng(0), compare(*known), 250
+    lines = [np.linspace(0.0, 1.0, k) for k in n]
+    weights = [np.sqrt(shares(x)) for x in lines]
+    slopes = np.vstack(
+        [
+            w[:, None] * derivatives(c, x)
+            for c, (w, x) in enumerate(zip(weights, lines, strict=True))
+        ]
+    )
+    each, held = [replace(one, x=x, measured=0.0 * x, window=width) for x in lines], 0
+    for _ in range(n_set):
+        noise = [s * rng.standard_normal(k) for s, k in zip(sigma, n, strict=True)]
+        if width:
+            noise = [BrokenLine(x, e).mean_at(x, width) for x, e in zip(lines, noise, strict=True)]
+        noise = np.concatenate([w * e for w, e in zip(weights, noise, strict=True)])
+        off = np.linalg.lstsq(slopes, noise, rcond=None)[0]
+        missed = noise - slopes @ off
+        several = np.split(missed / np.concatenate(weights), n[:1])
+        alike = [correlations(replace(c, simulated=e)) for c, e in zip(each, several, strict=True)]
+        C, nu = covariance_of(slopes, missed, alike)
+        held = held + (abs(off) < scipy.special.stdtrit(nu, 0.975) * np.sqrt(np.diag(C)))
+    assert (0.91 * n_set < held).all()  # standard deviation 1.4 %
+    assert (held < 0.99 * n_set).all()
 
 
 def test_a_miss_that_is_no_noise_is_alike_over_its_length(known):
@@ -208,6 +279,87 @@ def test_a_run_is_compared_at_the_points_of_the_first(known, tmp_path):
     (other / "history.csv").write_text("".join(rows[: len(rows) // 2]))
     with pytest.raises(ValueError, match="the run must reach from"):
         compared(other, curve, 0.3, points)
+
+
+@pytest.fixture
+def by_formula(known, monkeypatch):
+    """Return a function that fits plateau and last opening of a formula in place of a run."""
+    x, rng = np.linspace(0.0, 10.0, 200), np.random.default_rng(3)
+    noise, one = 0.03 * rng.standard_normal(x.size), replace(compare(*known), x=x, window=None)
+
+    def force(values, effect):
+        opening = values[OPENING] / 4.0 - 1.0
+        return values[PLATEAU] * (1.0 - np.exp(-x)) * (1.0 + effect * opening * np.exp(-x / 3.0))
+
+    def fitted(out, truth, effect, fails, **search):
+        measured = force(truth, effect) + noise * truth[PLATEAU]
+
+        def run_values(variants, several, *_):
+            done = [SimpleNamespace(folder=lambda _, v=values: v) for values in several]
+            status = ["failed" if fails(v[PLATEAU], v[OPENING]) else "done" for v in several]
+            return list(zip(done, map(Outcome, status), strict=True))
+
+        def compared(values, *_):
+            return replace(one, measured=measured, simulated=force(values, effect))
+
+        monkeypatch.setattr("shellcut.study.fit.run_values", run_values)
+        monkeypatch.setattr("shellcut.study.fit_runs.compared", compared)
+        monkeypatch.setattr("shellcut.study.fit_runs.window_of", lambda *_: 0.0)
+        ranges = {PLATEAU: "2:48", OPENING: "1:16"}
+        curves = [sc.FitCurve(known[1])]
+        return sc.fit("guillotine", curves, out, settings=ranges, search=sc.Search(**search))
+
+    return fitted
+
+
+@pytest.mark.parametrize(
+    ("effect", "fails"),
+    [
+        (1.0, lambda plateau, opening: plateau > 12.3),
+        (0.05, lambda plateau, opening: opening > 4.1),
+        (0.05, lambda plateau, opening: opening > 4.2 and plateau > 11.0),
+        (1.0, lambda plateau, opening: plateau > 12.0 or opening > 4.2),
+        (1.0, lambda plateau, opening: abs(np.log(opening / 4.0)) > 0.06),  # half a step runs
+    ],
+)
+def test_a_run_that_fails_does_not_narrow_an_interval(by_formula, tmp_path, effect, fails):
+    truth = {PLATEAU: 11.8, OPENING: 4.0}
+    all_run, some_fail = (
+        by_formula(tmp_path / name, truth, effect, one)
+        for name, one in (("all", lambda *_: False), ("some", fails))
+    )
+    for one, other in zip(some_fail.values, all_run.values, strict=True):
+        assert np.log(one.high / one.low) > 0.8 * np.log(other.high / other.low), one.key
+    hardly = "the data hardly determine cohesive.opening_u" in str(all_run)
+    assert hardly == (effect < 0.1)
+    assert ("the data hardly determine cohesive.opening_u" in str(some_fail)) == hardly
+    assert "could not be run" in str(some_fail)
+
+
+def test_an_interval_is_unknown_without_any_run_beside_the_value(by_formula, tmp_path):
+    truth = {PLATEAU: 11.0, OPENING: 4.5}
+    found = by_formula(tmp_path, truth, 1.0, lambda plateau, opening: opening != 4.0)
+    plateau, opening = found.values
+    assert plateau.low < plateau.value < plateau.high < 1.2 * plateau.value
+    assert opening.value == opening.start == 4.0
+    assert np.isnan([opening.low, opening.high]).all()
+    _, _, row, *said = str(found).splitlines()
+    assert row.endswith("unknown mm")
+    assert any(f"the interval of {OPENING} is unknown" in line for line in said)
+    assert "hardly" not in str(found)
+    assert json.loads((tmp_path / "fit.json").read_text())["values"][1]["low"] is None
+
+
+@pytest.mark.parametrize("method", ["local", "global"])
+@pytest.mark.parametrize("truth", [3.0, 3.4])
+def test_values_that_cannot_be_run_are_not_the_best(by_formula, tmp_path, truth, method):
+    # The start is so far off that no force at all misses the curve by less.
+    values = {PLATEAU: truth, OPENING: 4.0}
+    found = by_formula(tmp_path, values, 1.0, lambda plateau, _: 4.0 < plateau < 7.0, method=method)
+    assert found.rms_at_start > 2.0
+    assert any("could not be run" in note for note in found.notes)
+    value = found.values[0].value
+    assert value > 7.0 if method == "local" else value == pytest.approx(truth, rel=0.05)
 
 
 def test_a_fit_finds_the_plateau_and_is_not_run_again(known, tmp_path):

@@ -119,6 +119,8 @@ class ErrorBars:
     force, peak [N]                                      3.10     0.10       0.1         -         -
     force, peak: the order needs three meshes; most of ± is mesh: sides half as long would leave \
 ± 0.05 N
+    speed: no run has it for force, peak
+    scatter: no run has it for force, peak
     """
 
     key: str
@@ -147,9 +149,12 @@ class ErrorBars:
         return [*(f"{v:.{max(0, digits)}f}" for v in (value, half)), *texts]
 
     def said(self) -> list[str]:
-        """Return how each value converges and how its bar shrinks, and which part is missing."""
-        missing = (f"{WORDS.get(p, p)}: {'; '.join(why)}" for p, why in self.missing.items())
-        return [*(self._said_of(bar) for bar in self.bars), *missing]
+        """Return how each value converges and how its bar shrinks, and why a part is missing."""
+        lacking = {p: [b.name for b in self.bars if b.parts and p not in b.parts] for p in PARTS}
+        silent = {p: [f"no run has it for {', '.join(n)}"] for p, n in lacking.items() if n}
+        reasons = {**silent, **self.missing}.items()
+        why = (f"{WORDS.get(part, part)}: {'; '.join(several)}" for part, several in reasons)
+        return [*(self._said_of(bar) for bar in self.bars), *why]
 
     def _said_of(self, bar: ErrorBar) -> str:
         if not bar.parts:

@@ -175,7 +175,7 @@ def companions_of(
 
 
 def _meshes(model: Model, finer: float) -> dict[Run, Settings]:
-    """Return a coarser and a finer mesh; ValueError has the reason if there is neither."""
+    """Return a coarser mesh, if there is one, and a finer one; NoFinerFilm says why neither."""
     film, sizes = model.sections["membrane"], _sizes(model)
     if film.kind == "file":
         return {Run("finer mesh", MESH, 0.5): {"membrane.refine": film.refine + 1}}
@@ -209,8 +209,10 @@ def _mesh(model: Model, factor: float) -> tuple[float, Settings]:
         layers = {"membrane.n_layer": max(1, round(film.n_layer * m / n))} if film.n_layer else {}
         return n / m, {"membrane.n_side": m, **layers}
     if (rows := _rows(model)) is not None:
-        m_x, m_y = (_scaled(n, factor) for n in rows)
-        return rows[1] / m_y, _of_rows(model, m_x, m_y)
+        n_x, n_y = rows
+        m_y = _scaled(n_y, factor)
+        # As many times as many along: h is the ratio of the sides in both directions.
+        return n_y / m_y, _of_rows(model, _scaled(n_x, m_y / n_y), m_y)
     return 1.0 / factor, {"membrane.size": film.size / factor}
 
 
@@ -261,8 +263,11 @@ def _of_rows(model: Model, n_x: int, n_y: int, *, along: bool = False) -> Settin
 
 
 def _scaled(n: int, factor: float) -> int:
-    """Return a number of rows about so many times as large, even or odd like it, 1 or more."""
-    scaled = n + 2 * round(0.5 * n * (factor - 1.0))
+    """Return another number of rows, about so many times as large, even or odd like it.
+
+    It is the next one if those are too few to come nearer, and n if that would be below 1.
+    """
+    scaled = n + 2 * (round(0.5 * n * (factor - 1.0)) or (1 if factor > 1.0 else -1))
     return scaled if scaled > 0 else n
 
 

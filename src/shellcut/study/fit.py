@@ -154,7 +154,8 @@ def _locally(runs: FitRuns, start: Floats | None = None) -> None:
     scipy.optimize.least_squares(
         runs.residuals,
         np.zeros(low.size) if start is None else start,
-        jac=lambda logs: runs.slopes(logs, _STEP),
+        # A key whose effect no run shows stays where it is in this step.
+        jac=lambda logs: np.nan_to_num(runs.slopes(logs, _STEP)),
         bounds=(low, high),
         xtol=_CLOSE,
         ftol=1e-4,

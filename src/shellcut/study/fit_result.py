@@ -1,15 +1,19 @@
 r"""The result of a fit: values, how far the data tell them, and the curves.
 
-With the derivatives J of the n residuals r at the best of p parameters, the correlations S of these
-residuals (:mod:`.curve_misfit`), and P = (Jᵀ J)⁻¹, the covariance of the parameters is
+With the derivatives J of the n residuals r at the best of p parameters and P = (Jᵀ J)⁻¹, errors e
+of the residuals shift the parameters, in their logarithm, by P Jᵀ e (Gauss-Newton). The errors of
+curve c have a variance s_c² of their own, as a residual carries the share of its point in the
+curve, and correlations S_c (:mod:`.curve_misfit`); those of two curves are independent. So the
+covariance of the parameters is a sum over the curves,
 
-    C = r·r / (n - tr A) A P,    A = P Jᵀ S J,
+    C = sum_c s_c² A_c P,    A_c = P J_cᵀ S_c J_c,    s_c² = r_c·r_c / (n_c - tr A_c).
 
-in their logarithm (Gauss-Newton); the 95 % interval is the value times exp(± t sqrt(C_kk)). From
-r·r the size of the misses is known as if from nu = (n - tr A)² / tr (M S)² independent ones,
-M = 1 - J P Jᵀ, so that t is Student's with nu degrees of freedom ([Satterthwaite1946]). Without
-correlations this is r·r / (n - p) P and nu = n - p. The interval says how well the data determine
-the parameters of *this* model, not whether the model is right.
+From r_c·r_c the variance s_c² is known as if from nu_c = (n_c - tr A_c)² / tr (M_c S_c)²
+independent errors, M_c = 1 - J_c P J_cᵀ; so C_kk = sum_c C_kk,c is known as if from
+nu_k = C_kk² / sum_c (C_kk,c² / nu_c) ([Satterthwaite1946]). The 95 % interval is the value times
+exp(± t sqrt(C_kk)), t Student's with nu_k degrees of freedom. Of one curve without correlations
+this is r·r / (n - p) P and nu = n - p. The interval says how well the data determine the parameters
+of *this* model, not whether the model is right.
 """
 
 from __future__ import annotations
@@ -36,6 +40,9 @@ _LEVEL = 0.95
 _APART = 0.98
 """Correlation of two parameters beyond which the data do not tell them apart: each interval is then
 five times as wide as if the other were known."""
+_LEAST_LEFT = 1e-6
+"""Part of a curve's points, less than which is round-off: all of the curve went into the parameters
+and nothing is left to tell its errors."""
 _WIDE = 1.5
 """Factor from the value to the end of its interval beyond which it is not determined."""
 
@@ -51,7 +58,7 @@ class FittedValue:
     """In the unit."""
     low: float
     high: float
-    """Ends of the 95 % interval; nan for one that follows from the others."""
+    """Ends of the 95 % interval; nan for one that follows from the others, and if it is unknown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +70,7 @@ class FitResult:
     rms_at_start: float
     """Root mean square difference over the measured peak, now and at the start."""
     correlation: Floats
-    """Of the varied parameters, shape (n, n)."""
+    """Of the varied parameters, shape (n, n); nan with one whose interval is unknown."""
     n_run: int
     """Runs it rests on."""
     notes: tuple[str, ...]
@@ -78,8 +85,10 @@ class FitResult:
     def __str__(self) -> str:
         """Return a small table and the notes."""
         lines = [f"{'key':<34}{'start':>12}{'fitted':>12}   95 % interval"]
-        for one in self.values:
-            between = f"{one.low:.4g} to {one.high:.4g}" if one.low == one.low else "follows"
+        for k, one in enumerate(self.values):
+            between = f"{one.low:.4g} to {one.high:.4g}"
+            if one.low != one.low:
+                between = "unknown" if k < len(self.correlation) else "follows"
             unit = f" {one.unit}" if one.unit else ""
             lines.append(f"{one.key:<34}{one.start:>12.5g}{one.value:>12.5g}   {between}{unit}")
         lines.append(
@@ -141,15 +150,21 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     found, at_start = runs.at(best), runs.at(np.zeros(best.size))
     missed, comparisons, start = found.residuals, found.comparisons, at_start.residuals
     n_curve = len(comparisons)
-    covariance, nu = covariance_of(slopes, missed, [correlations(one) for one in comparisons])
+    # Without the derivatives of some, the intervals of the others are those with these as they are.
+    known = np.flatnonzero(~np.isnan(slopes).any(axis=0))
+    covariance, nu = np.full((best.size, best.size), np.nan), np.full(best.size, np.nan)
+    covariance[np.ix_(known, known)], nu[known] = covariance_of(
+        slopes[:, known], missed, [correlations(one) for one in comparisons]
+    )
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    t = float(scipy.special.stdtrit(max(nu, 1.0), 0.5 + 0.5 * _LEVEL))
+    t = scipy.special.stdtrit(np.fmax(nu, 1.0), 0.5 + 0.5 * _LEVEL)
+    with np.errstate(over="ignore"):
+        factors = [*np.exp(t * spread).tolist(), float("nan")]
     values = runs.parameters.values(best.tolist())
     fitted = []
-    for k, one in enumerate(runs.parameters.all):
-        factor = float(np.exp(t * spread[k])) if k < best.size else float("nan")
+    for one, factor in zip(runs.parameters.all, factors, strict=False):
         value = values[one.key]
         fitted.append(
             FittedValue(one.key, one.unit, one.start, value, value / factor, value * factor)
@@ -168,27 +183,40 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     )
 
 
-def covariance_of(slopes: Floats, missed: Floats, alike: Sequence[Floats]) -> tuple[Floats, float]:
-    """Return C and nu; C is infinite where the data say nothing.
+def covariance_of(slopes: Floats, missed: Floats, alike: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """Return C, infinite where the data say nothing, and nu of each parameter, nan without a miss.
 
     slopes : J, shape (n, p).  missed : r, shape (n,).  alike : of each curve, the correlations of
     its points k apart.
     """
     n, p = slopes.shape
+    unknown = np.diag(np.full(p, np.inf)), np.ones(p)
     information = slopes.T @ slopes
     largest = float(np.trace(information))
     if n <= p or not largest > 0.0:
-        return np.diag(np.full(p, np.inf)), 1.0
-    # Not the inverse: of a singular matrix it would be round-off. This is far beyond any use.
-    P = np.linalg.inv(information + 1e-12 * largest * np.eye(p))
-    of_curves = np.split(slopes, np.cumsum([len(c) for c in alike])[:-1])
-    smooth = [scipy.linalg.matmul_toeplitz(c, J) for c, J in zip(alike, of_curves, strict=True)]
-    S_J = np.concatenate(smooth)
-    A = P @ slopes.T @ S_J
-    squares = sum(len(c) + 2.0 * float(np.arange(len(c) - 1, 0, -1) @ c[1:] ** 2) for c in alike)
-    left = n - float(np.trace(A))
-    nu = left**2 / (squares - 2.0 * float(np.trace(P @ S_J.T @ S_J)) + float(np.trace(A @ A)))
-    return np.asarray(float(missed @ missed) / left * A @ P), nu
+        return unknown
+    # Of a singular matrix the inverse would be round-off. So each parameter is as if measured by
+    # itself, too, with errors like those of the curves, but far beyond any use.
+    alone = 1e-12 * largest * np.eye(p)
+    P = np.linalg.inv(information + alone)
+    ends = np.cumsum([len(c) for c in alike])[:-1]
+    each = zip(alike, np.split(slopes, ends), np.split(missed, ends), strict=True)
+    parts, per_nu = [], []
+    for c, J, r in each:
+        S_J = scipy.linalg.matmul_toeplitz(c, J)
+        B = J.T @ S_J
+        A = P @ B
+        left = len(c) - float(np.trace(A))
+        if not left > _LEAST_LEFT * len(c):
+            return unknown
+        squares = len(c) + 2.0 * float(np.arange(len(c) - 1, 0, -1) @ c[1:] ** 2)
+        squares += float(np.trace(A @ A)) - 2.0 * float(np.trace(P @ S_J.T @ S_J))
+        parts.append(float(r @ r) / left * P @ (B + alone / len(alike)) @ P)
+        per_nu.append(squares / left**2)
+    C = np.sum(parts, axis=0)
+    with np.errstate(invalid="ignore"):  # of curves without any miss
+        shares = np.diagonal(parts, axis1=1, axis2=2) / np.diag(C)
+    return C, 1.0 / (np.array(per_nu) @ shares**2)
 
 
 def _judged(
@@ -206,7 +234,12 @@ def _judged(
             for j in range(k)
             if abs(correlation[j, k]) > _APART
         ]
-        if not one.high < _WIDE * one.value:
+        if one.high != one.high:
+            notes.append(
+                f"the interval of {one.key} is unknown, as no run with values near it could be "
+                "taken; the other intervals hold only for this value"
+            )
+        elif not one.high < _WIDE * one.value:
             notes.append(
                 f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "
                 f"{one.high:.3g} {one.unit}".rstrip()

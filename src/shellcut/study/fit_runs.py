@@ -29,6 +29,9 @@ from .one_run import Outcome
 _N_TRIED = 65
 """Values of a key among which that with a given energy is sought."""
 
+_NEIGHBOURS = (1.0, -1.0, 0.5, -0.5)
+"""Of a set of parameters, in steps: the first that can be run gives the derivative."""
+
 _DIGITS = 7
 """Of a value: a fit that is called again finds its runs by them."""
 
@@ -251,15 +254,25 @@ class FitRuns:
         return [self.tried[key].residuals for key in keys]
 
     def slopes(self, logs: Floats, step: float, *, beyond: bool = False) -> Floats:
-        """Return the derivatives of the residuals by differences, shape (n_point, n_varied)."""
-        low, high = self.parameters.bounds()
-        points = []
-        for k in range(logs.size):
-            away = step if logs[k] + step <= high[k] or logs[k] - step < low[k] else -step
-            points.append(logs + away * np.eye(logs.size)[k])
-        here, *there = self.several([logs, *points], beyond=beyond)
-        each = enumerate(zip(there, points, strict=True))
-        return np.column_stack([(far - here) / (p[k] - logs[k]) for k, (far, p) in each])
+        """Return the derivatives of the residuals by differences, shape (n_point, n_varied).
+
+        A set that could not be run has no residuals to take a difference with: then the next of the
+        neighbours is run, within the bounds if any is. Without any the derivatives are nan.
+        """
+        here = self.residuals(logs)
+        slopes = np.full((here.size, logs.size), np.nan)
+        ways = []
+        for x, low, high in zip(logs, *self.parameters.bounds(), strict=True):
+            several = [share * step for share in _NEIGHBOURS]
+            ways.append([away for away in several if low <= x + away <= high] or several)
+        for turn in range(len(_NEIGHBOURS)):
+            open_ = [k for k, way in enumerate(ways) if turn < len(way) and np.isnan(slopes[0, k])]
+            points = [logs + ways[k][turn] * np.eye(logs.size)[k] for k in open_]
+            there = self.several(points, beyond=beyond)
+            for k, point, far in zip(open_, points, there, strict=True):
+                if not self.at(point).failure:
+                    slopes[:, k] = (far - here) / (point[k] - logs[k])
+        return slopes
 
     def best(self) -> Floats:
         """Return the set with the least misfit."""
@@ -295,9 +308,14 @@ class FitRuns:
         return Tried(residuals(found), found, doubts)
 
     def _failed(self, reason: str) -> Tried:
-        """Return a misfit that the fit turns away from, of a set that cannot be run."""
-        comparisons = next(iter(self.tried.values())).comparisons
-        return Tried(nothing_simulated(comparisons), comparisons, failure=reason)
+        """Return a misfit that the fit turns away from, of a set that cannot be run.
+
+        It is twice that of the start or more, so that such a set is never better than one that ran.
+        """
+        start = next(iter(self.tried.values()))
+        nothing = nothing_simulated(start.comparisons)
+        larger = 2.0 * np.linalg.norm(start.residuals) / np.linalg.norm(nothing)
+        return Tried(max(1.0, float(larger)) * nothing, start.comparisons, failure=reason)
 
 
 def _key(logs: Floats) -> tuple[float, ...]:
