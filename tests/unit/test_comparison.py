@@ -399,6 +399,57 @@ def test_curves_that_cannot_be_read(tmp_path, text, columns, words):
         assert word in str(caught.value)
 
 
+def table_of(numbers, separator=";"):
+    quoted = [f'"{one}"' if "," in one else one for one in numbers]
+    cells = quoted if separator == "," else numbers
+    rows = [f"{10 * k}{separator}{cell}" for k, cell in enumerate(cells)]
+    return "\n".join([f"angle [deg]{separator}torque [N*mm]", *rows, ""])
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ","])
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        "0 950 1,020 1,150 980",
+        "0 950 1.020 1.150 980",
+        "999 1,000",
+        "-1,020 -5 0",
+        "12 250 102,500 99,000",
+    ],
+)
+def test_numbers_that_may_have_thousands_separators_are_refused(tmp_path, numbers, separator):
+    with pytest.raises(
+        FileError, match=r"torque is ambiguous: .* write -?\d+, or decimals in"
+    ) as e:
+        curve(tmp_path, table_of(numbers.split(), separator))
+    assert "line" in str(e.value)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        "1.000 2.000 3.000",  # of as many decimals
+        "0 1.234 2.345",  # but for the zero
+        "0 0.987 1.234 2",  # a number below 1 has decimals
+        "1 1,25 1,375 2",
+        "1 1.005 1.010e0",
+        "950 1020 1150 1.125",  # a thousand is written without
+        "950,0 1020 1,150",
+        "1 2 3 1200",
+    ],
+)
+def test_decimal_numbers_are_read(tmp_path, numbers):
+    found = curve(tmp_path, table_of(numbers.split()))
+    expected = [float(one.replace(",", ".")) for one in numbers.split()]
+    np.testing.assert_array_equal(found.y, expected)
+    assert found.notes == ()
+
+
+def test_decimals_in_one_column_say_what_the_sign_is_in_another(tmp_path):
+    text = "Nr;angle [deg];torque [N*mm]\n0,5;1;950\n1,5;2;1,020\n2,5;3;1,150\n"
+    np.testing.assert_array_equal(curve(tmp_path, text, 2, 3).y, [950.0, 1.02, 1.15])
+
+
 def test_arrays_are_checked():
     with pytest.raises(ValueError, match=r"finite, .* rows 1; x_unit: unit must .* got 'ell'"):
         MeasuredCurve([0.0, np.nan], [0.0, 1.0], "ell", "N")
