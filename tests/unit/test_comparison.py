@@ -108,6 +108,83 @@ def test_the_mean_is_of_the_steady_window_of_the_run(tmp_path):
         assert [note.startswith(why) for note in notes if "no mean" in note] == [True]
 
 
+@pytest.fixture(scope="module")
+def steady(tmp_path_factory):
+    cut = edge_columns([edge(ANGLE)])
+    folder, torque = tmp_path_factory.mktemp("steady") / "out", 100.0 + 0.0 * ANGLE
+    work = np.radians(100.0 * ANGLE)
+    return shellcut.read(write_run(folder, "steady", ANGLE, torque, tool_work=work, **cut))
+
+
+@pytest.mark.parametrize(
+    ("n_interval", "scattered"), [(7, False), (10, True), (16, False)], ids=["7", "10", "16"]
+)
+def test_95_of_100_error_bars_of_few_points_hold_the_mean(steady, n_interval, scattered):
+    low, high = steady.steady_window.low, steady.steady_window.high
+    apart, n_curve = (high - low) / n_interval, 150
+    rng, held, refused = np.random.default_rng(1), 0, 0
+    for _ in range(n_curve):
+        x = np.arange(low - 1.3 * apart, high + 2.0 * apart, apart)
+        if scattered:
+            x[1:-1] += rng.uniform(-0.2, 0.2, len(x) - 2) * apart
+        y = 80.0 * (1.0 + 0.05 * rng.standard_normal(len(x)))
+        found = shellcut.compare(steady, measured(y, x))
+        held += abs(found.mean_measured - 80.0) <= found.mean_measured_half_width
+        refused += np.isnan(found.mean_measured)
+    assert refused <= 0.1 * n_curve
+    assert held >= 0.89 * (n_curve - refused)  # 95 % less three standard deviations
+
+
+def test_too_few_points_have_a_mean_without_error_bar_and_the_reason(steady):
+    low, high = steady.steady_window.low, steady.steady_window.high
+    for n_interval in (2, 4, 5):
+        x = np.linspace(low, high, n_interval + 1)
+        found = shellcut.compare(steady, measured(80.0 + np.sin(x), x))
+        assert found.mean_measured == pytest.approx(80.0, abs=1.0)
+        assert np.isnan(found.mean_measured_half_width)
+        (note,) = (note for note in found.notes if "±" in note)
+        assert f"up to {(high - low) / n_interval:.4g}° apart" in note
+        assert f"a ± takes {(high - low) / 6.0:.4g}° or less" in note
+        assert "nan" not in str(found)
+    # Many points do not make up for a gap.
+    x = np.append(np.linspace(low, 0.5 * (low + high), 100), high)
+    assert np.isnan(shellcut.compare(steady, measured(80.0 + 0.0 * x, x)).mean_measured_half_width)
+
+
+@pytest.mark.parametrize("n_point", [25, 400])
+@pytest.mark.parametrize(
+    ("curve", "said"),
+    [
+        (lambda u: 0.5 + u, "the measured torque drifts from"),
+        (lambda u: 1.4 - 0.5 * u**2, "the measured torque drifts from"),
+        (lambda u: np.where(u < 0.5, 2.0, 3.0), "the measured torque jumps at 4"),
+    ],
+    ids=["rising", "falling", "jump"],
+)
+def test_a_measured_curve_that_changes_has_no_mean(steady, n_point, curve, said):
+    x = np.linspace(0.0, 90.0, n_point)
+    scatter = 0.005 * np.random.default_rng(2).standard_normal(n_point)
+    found = shellcut.compare(steady, measured(80.0 * (curve(x / 90.0) + scatter), x))
+    assert np.isnan([found.mean_measured, found.mean_measured_half_width, found.mean_error]).all()
+    assert [note.startswith(f"no mean: {said}") for note in found.notes] == [True]
+    # That of the run is there.
+    assert found.mean_simulated == pytest.approx(100.0, rel=1e-12)
+    assert "nan" not in str(found)
+
+
+def test_a_simulated_value_that_changes_has_no_mean_either(tmp_path):
+    # The torque is steady, another column is not.
+    cut = edge_columns([edge(ANGLE)])
+    columns = {"tool_work": np.radians(100.0 * ANGLE), "slide": 1.0 + ANGLE / 90.0}
+    run = write_run(tmp_path / "out", "s", ANGLE, 100.0 + 0.0 * ANGLE, **columns, **cut)
+    mine = MeasuredCurve(ANGLE, 2.0 + 0.0 * ANGLE, "deg", "mm")
+    found = shellcut.compare(run, mine, y="slide")
+    assert np.isnan(found.mean_simulated)
+    assert found.mean_measured == pytest.approx(2.0, rel=1e-12)
+    (note,) = found.notes
+    assert note.startswith("no mean: the simulated slide drifts from")
+
+
 def test_a_shifted_sine(run):
     shift = 6.0
     x = np.linspace(0.0, 90.0, 181)
@@ -320,6 +397,57 @@ def test_curves_that_cannot_be_read(tmp_path, text, columns, words):
         curve(tmp_path, text, *columns)
     for word in words:
         assert word in str(caught.value)
+
+
+def table_of(numbers, separator=";"):
+    quoted = [f'"{one}"' if "," in one else one for one in numbers]
+    cells = quoted if separator == "," else numbers
+    rows = [f"{10 * k}{separator}{cell}" for k, cell in enumerate(cells)]
+    return "\n".join([f"angle [deg]{separator}torque [N*mm]", *rows, ""])
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ","])
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        "0 950 1,020 1,150 980",
+        "0 950 1.020 1.150 980",
+        "999 1,000",
+        "-1,020 -5 0",
+        "12 250 102,500 99,000",
+    ],
+)
+def test_numbers_that_may_have_thousands_separators_are_refused(tmp_path, numbers, separator):
+    with pytest.raises(
+        FileError, match=r"torque is ambiguous: .* write -?\d+, or decimals in"
+    ) as e:
+        curve(tmp_path, table_of(numbers.split(), separator))
+    assert "line" in str(e.value)
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        "1.000 2.000 3.000",  # of as many decimals
+        "0 1.234 2.345",  # but for the zero
+        "0 0.987 1.234 2",  # a number below 1 has decimals
+        "1 1,25 1,375 2",
+        "1 1.005 1.010e0",
+        "950 1020 1150 1.125",  # a thousand is written without
+        "950,0 1020 1,150",
+        "1 2 3 1200",
+    ],
+)
+def test_decimal_numbers_are_read(tmp_path, numbers):
+    found = curve(tmp_path, table_of(numbers.split()))
+    expected = [float(one.replace(",", ".")) for one in numbers.split()]
+    np.testing.assert_array_equal(found.y, expected)
+    assert found.notes == ()
+
+
+def test_decimals_in_one_column_say_what_the_sign_is_in_another(tmp_path):
+    text = "Nr;angle [deg];torque [N*mm]\n0,5;1;950\n1,5;2;1,020\n2,5;3;1,150\n"
+    np.testing.assert_array_equal(curve(tmp_path, text, 2, 3).y, [950.0, 1.02, 1.15])
 
 
 def test_arrays_are_checked():

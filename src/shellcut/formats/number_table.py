@@ -39,6 +39,8 @@ _COMMENTS = ("#", "%", "//")
 _MARK = re.compile(r"\s*(#+|%|//)\s*")
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?(nan|inf(inity)?)", re.I)
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(([.,'’\u00a0\u202f ])\d{3})((\2\d{3})*[.,]\d+|(\2\d{3})+)")
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")  # 1,020: may be 1020
+_BELOW_THOUSAND, _WHOLE = re.compile(r"[+-]?[1-9]\d{0,2}"), re.compile(r"[+-]?[1-9]\d*")
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*(\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\))\s*")
 _SLASH = re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>[^/]*?)\s*")
 _PER_CENT_FIRST = re.compile(r"(%|percent(age)?\b|prozent\b)\s*", re.I)
@@ -103,11 +105,38 @@ class NumberTable:
                 f"all numbers must have the same decimal sign, got {point!r} in line {at} and "
                 f"{comma!r} in line {there}; thousands separators are not read"
             )
-        if problems:
+        if problems := problems or self._ambiguous(columns):
             more = len(problems) - _MOST_PROBLEMS
             listed = [*problems[:_MOST_PROBLEMS], *([f"and {more} more"] if more > 0 else [])]
             raise FileError(self.path, "; ".join(listed))
         return values
+
+    def _ambiguous(self, columns: list[int]) -> list[str]:
+        """Return which columns may have thousands separators, by their first such cell.
+
+        Numbers below a thousand have none of these, so the column has whole numbers without a sign,
+        and others with a sign before three digits. Decimals are written with as many digits in all
+        rows, then no number is whole, or with as many as each needs, then hardly all need three. A
+        zero says nothing: it is often written without decimals. In a file with 0,5 the comma is the
+        decimal sign.
+        """
+        signed = (cell for cells in self.rows for cell in cells if "." in cell or "," in cell)
+        if any(_NUMBER.fullmatch(cell) and not _GROUPED.fullmatch(cell) for cell in signed):
+            return []
+        problems = []
+        for column in dict.fromkeys(columns):
+            cells = [(row[column], line) for row, line in zip(self.rows, self.lines, strict=True)]
+            grouped = [(cell, line) for cell, line in cells if _GROUPED.fullmatch(cell)]
+            whole = [(cell, line) for cell, line in cells if _WHOLE.fullmatch(cell)]
+            if grouped and whole and all(_BELOW_THOUSAND.fullmatch(cell) for cell, _ in whole):
+                (cell, at), (other, there) = grouped[0], whole[0]
+                digits = re.sub("[.,]", "", cell)
+                problems.append(
+                    f"{self.name(column)} is ambiguous: {cell!r} in line {at} may be "
+                    f"{digits} or {cell.replace(',', '.')}, as {other!r} in line {there} has no "
+                    f"decimals; write {digits}, or decimals in every number, as in {other}.0"
+                )
+        return problems
 
     def column(self, which: str | int) -> int:
         """Return the index of a column given by heading, with or without unit, or number from 1.

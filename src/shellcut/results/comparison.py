@@ -27,7 +27,7 @@ from shellcut.view import Curve, Diagram, draw_curves
 
 from .measured_curve import MeasuredCurve, read_measured_curve
 from .run_results import Results, read
-from .steady_mean import Mean, mean_of
+from .steady_mean import LEAST, Mean, change_in, mean_of, n_cosine
 from .steady_window import steady_window
 
 _SAME_END = 0.01
@@ -97,9 +97,9 @@ class Comparison:
     correlation: _Ratio
     """From -1 to 1."""
     mean_measured: _InY
-    """Over the steady part of the common range, nan without it."""
+    """Over the steady part of the common range; nan without it, and if the curve changes in it."""
     mean_measured_half_width: _InY
-    """Half-width of its 95 % interval, as :mod:`.steady_mean` has it."""
+    """Half-width of its 95 % interval, as :mod:`.steady_mean` has it; nan for too few points."""
     mean_simulated: _InY
     mean_simulated_half_width: _InY
     mean_error: _Ratio
@@ -254,7 +254,8 @@ def _row(
 ) -> Row:
     """Return numbers as text in the unit in which they are shown; ``off`` may be text already."""
     unit, factor = shown(unit)
-    measured, simulated = ("" if value is None else f"{factor * value:.4g}" for value in (m, s))
+    both = (float("nan") if value is None else factor * value for value in (m, s))
+    measured, simulated = (f"{value:.4g}" if np.isfinite(value) else "" for value in both)
     difference = off if isinstance(off, str) else f"{factor * off:{sign}.4g}"
     return name, unit, measured, simulated, difference
 
@@ -370,8 +371,9 @@ def _compared(
     steady, pieces, why_not = _steady_range(results, x, a, b)
     mean_m = mean_s = Mean(float("nan"), float("nan"))
     if steady:
-        lines_on = ((line, line.points_within(*steady)) for line in (m, s))
-        mean_m, mean_s = (mean_of(at, line.integrals(at), pieces) for line, at in lines_on)
+        mean_m, no_m = _steady_mean(m, steady, pieces, (f"measured {y}", y_unit), x_unit)
+        mean_s, no_s = _steady_mean(s, steady, pieces, (f"simulated {y}", y_unit), x_unit)
+        why_not = [*no_m, *no_s]
     pierced = _pierced_at(results, x, a, b)
     pierced_m, pierced_s = (line.at(pierced).item() for line in (m, s))
     return Comparison(
@@ -454,6 +456,33 @@ def _steady_range(
     if not window:
         return None, 0.0, [f"no mean over the measured part of the steady window: {window.reason}"]
     return (low, high), window.pieces, []
+
+
+def _steady_mean(
+    line: BrokenLine, between: tuple[float, float], pieces: float, y: tuple[str, str], x_unit: str
+) -> tuple[Mean, list[str]]:
+    """Return the mean of a curve over the window, and why it, or its ±, is missing: nan then.
+
+    Of a value that changes between two points as it likes, the mean over the window has the error
+    of the sum of the values by their shares, and so have the cosines of that sum. They are as large
+    as it only if two points or more lie on each half wave. So for a curve whose points are up to d
+    apart, waves count from 4 d on: no more of them than for a memory of 4 d.
+    """
+    points, (low, high) = line.points_within(*between), between
+    first, last = line.x.searchsorted(low, "right") - 1, line.x.searchsorted(high, "left")
+    apart = float(np.diff(line.x[first : last + 1]).max())
+    pieces = min(pieces, 0.25 * (high - low) / apart)
+    way = np.concatenate(([low], 0.5 * (points[1:] + points[:-1]), [high]))
+    integral = np.append(0.0, np.cumsum(line.at(points) * np.diff(way)))
+    if n_cosine(pieces) < LEAST:
+        mean = Mean(float(integral[-1]) / (high - low), float("nan"))
+        far, near = (said(x, x_unit) for x in (apart, 0.5 * (high - low) / LEAST))
+        few = f"its points in the steady window are up to {far} apart; a ± takes {near} or less"
+        return mean, [f"no ± for the mean of the {y[0]}, nor a test that it is steady: {few}"]
+    if change := change_in(way, integral, pieces):
+        nothing = Mean(float("nan"), float("nan"))
+        return nothing, [f"no mean: {change.text(*y, between, x_unit)}"]
+    return mean_of(way, integral, pieces), []
 
 
 def in_units(curve: MeasuredCurve, x: tuple[str, str], y: tuple[str, str]) -> BrokenLine:

@@ -36,6 +36,7 @@ import numpy as np
 import scipy
 
 from shellcut.arrays import Floats
+from shellcut.unit import with_unit
 
 FALSE_ALARM = 0.05
 """Largest share of steady windows that are refused."""
@@ -65,6 +66,16 @@ class Change:
     before: float
     after: float
     """Mean levels before and after a jump; those of the fitted line at both ends for a drift."""
+
+    def text(self, name: str, unit: str, ends: tuple[float, float], x_unit: str) -> str:
+        """Return the change in words; place of the jump and ends of the window in ``x_unit``."""
+        before, after = (with_unit(level, unit) for level in (self.before, self.after))
+        start, end = (with_unit(x, x_unit) for x in ends)
+        if self.at is None:
+            return f"the {name} drifts from {before} at {start} to {after} at {end}"
+        at = with_unit(self.at, x_unit)
+        means = f"its mean is {before} from {start} on, then {after} to {end}"
+        return f"the {name} jumps at {at}: {means}"
 
 
 def n_cosine(pieces: float) -> int:

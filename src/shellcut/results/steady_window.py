@@ -29,13 +29,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
-from shellcut.unit import with_unit
 
 from .energy_account import CABLES, driving_work, growth_shares
 from .steady_mean import LEAST, change_in, mean_of, n_cosine
@@ -193,15 +192,11 @@ def _tested(
     if from_start and change.at is not None and later < last and change.at <= way[later]:
         with suppress(_NoWindow):
             return _tested(history, coordinate, cuts, later, last, from_start=False)
-    turns = unit == "deg"
-    figure, of_figure = ("torque", "N*mm") if turns else ("force", "N")
-    before, after = (with_unit(level, of_figure) for level in (change.before, change.after))
-    start, end = (with_unit(float(x[row]), unit) for row in (first, last))
-    if change.at is None:
-        raise _NoWindow(f"the {figure} drifts from {before} at {start} to {after} at {end}")
-    at = with_unit(float(np.degrees(change.at)) if turns else change.at, unit)
-    means = f"its mean is {before} from {start} on, then {after} to {end}"
-    raise _NoWindow(f"the {figure} jumps at {at}: {means}")
+    turns, ends = unit == "deg", (float(x[first]), float(x[last]))
+    if turns and change.at is not None:
+        change = replace(change, at=float(np.degrees(change.at)))
+    figure = ("torque", "N*mm") if turns else ("force", "N")
+    raise _NoWindow(change.text(*figure, ends, unit))
 
 
 def _way(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> Floats:
