@@ -86,3 +86,61 @@ def test_the_place_in_the_quad_does_not_decide_when_a_notch_tears(mesh, slope_de
 def test_a_slit_along_the_pull_does_not_tear(y):
     """It barely disturbs the stress, which is half the strength."""
     assert not tears(MESHES["square"], (-1.0, y), (3.2, y), 9.0, ("left", "right"))
+
+
+def steps_to_tear(path, slope_deg, shift, shear, *, beside_a_blade):
+    """Steps until a notch in the middle of a film tears, pulled across by its long sides."""
+    mesh, middle, tool = rectangle(9.6, SIDE, n_x=12, n_y=10), 4.8, {}
+    options = {"fibres": 0}
+    if path == "edges":  # along the pull
+        mesh = mesh.cut(mesh.nodes_where(lambda x, y, z: (abs(x - middle) < 0.1) & (abs(y) < 1.7)))
+        options["turn_limit_deg"] = 100.0
+    if beside_a_blade:  # 9 mm before the film
+        blade = sc.tool_shapes.straight_blade(length=3.0, height=4.0).translated((-9.0, 0.0, 0.0))
+        tool = {"tool": blade, "motion": sc.StraightMotion((1.0, 0.0, 0.0), 1.0, ramp=1e-5)}
+
+    def rates(sign):
+        return {"x": lambda t: sign * 150.0 * shear, "y": lambda t: sign * 150.0}
+
+    sim = sc.Simulation(
+        mesh,
+        sc.ShellMaterial.homogeneous(young=2000.0, poisson=0.3),
+        supports=[
+            sc.Support("top", velocity=rates(1.0)),
+            sc.Support("bottom", velocity=rates(-1.0)),
+        ],
+        law=sc.CohesiveTable(openings=[0.0, 0.3, 1.6, 2.0], tractions=[18.0, 12.0, 12.0, 0.0]),
+        fracture=sc.Fracture(path=path, **options),
+        imperfection=0,
+        **tool,
+    )
+    if path == "free":
+        slope = np.radians(slope_deg)
+        half = 1.6 * np.array([np.cos(slope), np.sin(slope), 0.0])
+        sim.notch(*(np.array([middle + shift, -0.07, 0.0]) + side * half for side in (-1.0, 1.0)))
+    while sim.state.crack_length == 0.0 and sim.state.step < 1500:
+        sim.step()
+    return sim.state.step
+
+
+@pytest.mark.parametrize(
+    ("path", "slope_deg", "shift", "shear"),
+    [
+        ("free", 80, 0.33, 0.0),
+        ("free", 82, 0.0, 0.0),
+        ("free", 90, 0.37, 0.0),
+        ("free", 95, 0.13, 0.0),
+        ("free", 30, 0.2, 0.8),
+        ("free", 120, 0.2, 0.8),
+        ("edges", 90, 0.0, 0.0),
+        ("edges", 90, 0.0, 0.4),
+    ],
+)
+def test_a_blade_that_touches_nothing_does_not_make_a_tear_wait(path, slope_deg, shift, shear):
+    """Straight ahead hardly any force pulls on most of these notches; they tear to the side."""
+    alone, beside = (
+        steps_to_tear(path, slope_deg, shift, shear, beside_a_blade=blade)
+        for blade in (False, True)
+    )
+    # With a blade directions are searched in every fifth check, of ten steps each.
+    assert alone <= beside <= alone + 50

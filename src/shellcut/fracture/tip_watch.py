@@ -2,9 +2,10 @@
 
 What depends on the topology only is found once; a few kernels do the rest for all tips.
 
-A tip that no edge drives is tried straight ahead. If the force is close to that of a tear, the
-direction in which it would run is searched now and then, which costs as much as a hundred of these
-trials.
+A tip that no edge drives is tried straight ahead. In which direction it would tear is searched now
+and then, which costs as much as a hundred of these trials, whatever the force is straight ahead:
+|F|, kappa and L_F of a trial cut change with the segment, so no measure in one direction bounds
+that in another.
 """
 
 from __future__ import annotations
@@ -28,15 +29,10 @@ from .side_tears import LargestStress
 from .tip import DUE, DrivenTips, Segment, Tip
 from .trial_cut import Pair, TrialCut, TrialSums, Weighed
 
-NEAR = 0.8
-"""Of the force of a tear straight ahead: from there on it may be due in another direction, in which
-the force is up to 1.2 times as large."""
-
 _NONE = np.zeros(0, np.int64)
 
 _SELDOM = 5
-"""In every such check the direction of a tip is searched that is near, but not due straight
-ahead."""
+"""In every such check the directions of all tips are searched that no edge drives."""
 
 
 class TipWatch:
@@ -96,22 +92,20 @@ class TipWatch:
         """Return the segment of an edge that drove a tip at the last check, -1 if none."""
         return int(self._drive.driven.edge_of[i])
 
-    def may_tear(self, nth: int | None = None) -> list[Tip]:
-        """Return the tips to search in the n-th check: no edge drives them, and they may be due.
+    def may_tear(self, nth: int = 0) -> list[Tip]:
+        """Return the tips to search in the n-th check.
 
-        Without n, those that are due straight ahead.
-
-        A tip that an edge would lead back out of the film ahead, or that has none straight ahead,
-        is not weighed: it is searched now and then.
+        In every fifth all that no edge drives, or that an edge would lead back out of the film
+        ahead; else those that no edge drives and that are due straight ahead.
         """
         if not self._tips:
             return []
-        seldom = nth is not None and nth % _SELDOM == 0
-        near = (self._drive.driven.edge_of < 0) & (
-            self.weighed.magnitude >= (NEAR if seldom else DUE)
-        )
-        near |= seldom & (self._aimed.target[:, AHEAD] < 0)
-        return [self._tips[i] for i in np.flatnonzero(near).tolist()]
+        free = self._drive.driven.edge_of < 0
+        if nth % _SELDOM:
+            searched = free & (self.weighed.magnitude >= DUE)
+        else:
+            searched = free | (self._aimed.target[:, AHEAD] < 0)
+        return [self._tips[i] for i in np.flatnonzero(searched).tolist()]
 
     def due(self, state: State, tips: Sequence[Tip], others: Sequence[Tip] = ()) -> Bools:
         """Return which tips are due of those that an edge drives, shape (n_tip,).
