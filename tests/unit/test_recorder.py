@@ -180,7 +180,7 @@ def test_doubts_are_logged_before_and_after_and_kept_in_the_summary(tmp_path, ca
         for text in before
         if text.startswith("distrust: ")
     ]
-    with pytest.raises(ValueError, match="records one run, and that in .* has ended"):
+    with pytest.raises(ValueError, match=r"records one run, and that in .* has ended"):
         sim.run(2.0 * END, [recorder])
 
 
