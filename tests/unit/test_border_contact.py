@@ -61,7 +61,7 @@ def evaluated(sim):
     s.node.force[:] = 0.0
     sim.contact.add_forces(s, pose)
     alone = s.node.force[sim.corners].copy()
-    term(sim)._renew(s)
+    term(sim)._renew(s, pose)
     term(sim).tables.table.memory.depth[:] = 1e3
     term(sim).add_forces(s, pose)
     both = s.node.force[sim.corners].copy()

@@ -48,6 +48,7 @@ from .contact_tables import (
     carry_over,
 )
 from .film_outline import BorderSegments
+from .near_nodes import Clock
 from .penalty_contact import PenaltyContact
 from .press_kernel import add_press_forces
 from .press_term import WORK, PressTerm
@@ -78,7 +79,7 @@ class BorderContact(PressTerm):
         Of a typical quad [mm].
     """
 
-    kept_names = (*PressTerm.kept_names, "_looks", "_memory", "_key", "n_search")
+    kept_names = (*PressTerm.kept_names, "_looks", "_memory", "_key", "_walked", "n_search")
 
     def __init__(self, contact: PenaltyContact, edge_length: float) -> None:
         assert contact.film_edges is not None
@@ -88,7 +89,7 @@ class BorderContact(PressTerm):
         self._spacing = max(SPACING * contact.law.rounding, edge_length / MOST)
         thin = min(0.5 * contact.thickness, _OF_TOOL * contact.law.tool_half_thickness)
         self._rounding = max(contact.law.rounding, thin, self._spacing / SPACING)
-        self._key, self._near = nothing, nothing
+        self._key, self._walked = nothing, np.zeros(1)
         self._looks, self._memory = DistanceQueries.none_yet(0), Memory.blank(0)
         self._of_contact: ContactTables | None = None
         self._call, self._list = BoundOnce(add_press_forces), BoundOnce(_places_on)
@@ -98,7 +99,7 @@ class BorderContact(PressTerm):
         before, self._pose = self._pose or pose, pose
         renewed = self._of_contact is not self._contact.tables
         if renewed:
-            work = self._renew(state)
+            work = self._renew(state, pose)
         self._call.code(pose, before, state.dt, self.tables, self._touch)
         if renewed:
             self.touch.sums[WORK] += work
@@ -109,7 +110,7 @@ class BorderContact(PressTerm):
         To the stiffness of the contact of nodes that is counted, which is that of nodes alone.
         """
         soon, segments = counted[self._contact.name][0], self._border.of(state)
-        near = segments.near(soon)
+        near = self._contact.near_soon(segments.node, state)
         ends = segments.node[near].ravel()
         half = np.repeat(0.5 * STEEPEST * segments.stiffness[near], 2)
         # Of nothing bincount returns whole numbers.
@@ -136,10 +137,11 @@ class BorderContact(PressTerm):
         take_over(self, self.kept_names, saved)
         self._lay_out(state)
 
-    def _renew(self, state: State) -> float:
+    def _renew(self, state: State, pose: Pose) -> float:
         """List the places anew; return the work of those no longer listed [N·mm]."""
         segments = self._border.of(state)
-        near = segments.near(self._contact.near.ids)
+        around = self._contact.near
+        near = around.within(around.margin, segments.node, state, pose)
         room = int((segments.length[near] / self._spacing + 2.0).sum())
         key, k = np.empty(room, np.int64), np.empty(room)
         node, weight = np.zeros((room, 4), np.int64), np.zeros((room, 4))
@@ -160,6 +162,7 @@ class BorderContact(PressTerm):
         blank = ContactPoints.of(node[:count])
         self.carriers = blank._replace(weight=weight[:count].copy(), stiffness=k[:count].copy())
         self._key, self._looks, self._memory = key, queries, memory
+        self._walked[0] = 0.0
         self.n_search += 1
         self._lay_out(state)
         return 0.5 * state.dt * power
@@ -172,7 +175,7 @@ class BorderContact(PressTerm):
                 on_border=True,
                 tool=contact.solid,
                 law=contact.law._replace(rounding=self._rounding),
-                clock=contact.clock,
+                clock=Clock(np.unique(self.carriers.node), self._walked, contact.clock.radius),
                 queries=self._looks,
                 contact_points=self.carriers,
                 memory=self._memory,

@@ -212,12 +212,6 @@ class BorderSegments(NamedTuple):
     left: Annotated[Floats, "(n_node,)"]
     """What is left at each node [N/mm]."""
 
-    def near(self, nodes: Ints) -> Ints:
-        """Return the rows of the segments that end at one of some nodes."""
-        at = np.zeros(self.left.size, np.bool_)
-        at[nodes] = True
-        return np.flatnonzero(at[self.node].any(axis=1))
-
 
 class FilmBorderSegments(OncePerTopology[BorderSegments]):
     """Keeps the border segments of a film up to date from cut to cut.

@@ -5,9 +5,11 @@ have come near. :class:`ListAge` tells how long, for all lists of the contact. O
 most does not touch for some steps: it waits by a :class:`Clock`, one of each term.
 
 The nodes near a tool are those inside boxes fixed to it, each wider by a margin than needed. The
-list lasts until tool and listed nodes together have moved by half the margin; the other half is for
-the nodes outside, whose motion is not tracked. So each step only treats the nodes of the list, and
-the search over all nodes is rare. The list never changes a result: its users check each node again.
+list lasts until tool and listed nodes together may have moved by half the margin (the others are
+not counted in the time step before), or tool and other film by the whole: film may come to a tool
+at rest. So each step only treats the nodes of the list, and the search over all nodes is rare. The
+list never changes a result: its users check each node again. A quad, or a segment of the border,
+may be near without any of its nodes: it is found by the box around it.
 """
 
 from __future__ import annotations
@@ -19,11 +21,11 @@ import numpy as np
 
 from shellcut.arrays import Floats, Ints
 from shellcut.numerics.borrowed import borrowed
-from shellcut.numerics.boxes import in_box
+from shellcut.numerics.boxes import are_near, box_around
 from shellcut.numerics.jit import BoundOnce, always_inline, inline, kernel
 from shellcut.numerics.kept import Kept
 from shellcut.numerics.vec3 import dot, load, sub
-from shellcut.state import KnownTopology, State
+from shellcut.state import KnownTopology, OncePerTopology, State
 from shellcut.tool.pose import Pose, to_body
 
 # Steps between two checks of how far things have moved, by hundredths of a margin; and what they
@@ -37,7 +39,7 @@ class ListAge(Kept):
     Parameters
     ----------
     distance : float
-        That film and tool together may move until then [mm].
+        That listed film and tool together may move until then [mm].
     radius : float, optional
         Of the farthest point of the tool around the body's origin [mm]; without it the motion of
         the tool does not count.
@@ -48,22 +50,25 @@ class ListAge(Kept):
     def __init__(self, distance: float, radius: float | None = None) -> None:
         self._distance, self._radius = distance, radius
         self._known, self._farthest = KnownTopology(), BoundOnce(_farthest)
+        self._film = OncePerTopology(film_nodes)
         self._x, self._pose = np.zeros((0, 3)), Pose.at_origin()
         self._gone, self._look_at = 0.0, 0
 
-    def is_over(self, state: State, pose: Pose, tracked: Ints) -> bool:
-        """Return whether some nodes, or the tool, may move too far before the next check.
+    def is_over(self, state: State, pose: Pose, listed: Ints) -> bool:
+        """Return whether film and tool may move too far before the next check.
 
-        Also if the film has been cut.
+        Also if the film has been cut.  listed : nodes; other film may move twice as far.
         """
         if not self._known.is_of(state):
             return True
         if 0 < state.step < self._look_at:  # before the run film may be put anywhere
             return False
         there = self._pose if self._radius is None else pose
-        gone = self._farthest(
-            tracked, state.node.x, self._x, there, self._pose, self._radius or 0.0
+        gone, of_any = (
+            self._farthest(nodes, state.node.x, self._x, there, self._pose, self._radius or 0.0)
+            for nodes in (listed, self._film.of(state))
         )
+        gone = max(gone, 0.5 * of_any)
         further = max(gone - self._gone, 0.0)
         self._gone, self._look_at = gone, state.step + _CHECK_EVERY
         return bool(gone + _FASTER * further > self._distance)
@@ -89,9 +94,10 @@ class NearNodes(Kept):
     kept_names = "ids", "n_search", "_age"
 
     def __init__(self, low: Floats, high: Floats, margin: float) -> None:
-        self._margin = margin
-        self._low, self._high = low - margin, high + margin
-        corner = np.maximum(abs(self._low), abs(self._high))
+        self.margin = margin
+        """Width of the margin [mm]."""
+        self._low, self._high = low, high
+        corner = np.maximum(abs(low), abs(high)) + margin
         self._age = ListAge(self.half_margin, float(np.linalg.norm(corner, axis=1).max()))
         self.ids: Ints = np.zeros(0, np.int64)
         """Listed nodes, ascending."""
@@ -102,36 +108,35 @@ class NearNodes(Kept):
     @property
     def half_margin(self) -> float:
         """Distance that tool and listed nodes may move before the list is made anew [mm]."""
-        return 0.5 * self._margin
+        return 0.5 * self.margin
 
     def renew(self, state: State, pose: Pose) -> bool:
         """Search again if needed, with the tool at its pose of t_n; return whether it was done."""
         if not self._age.is_over(state, pose, self.ids):
             return False
         every = np.flatnonzero(state.node.real[: state.n_node])
-        self.ids = self._in_boxes(every, state, pose, 0.0)
+        self.ids = every[self.within(self.margin, every[:, None], state, pose)]
         self.n_search += 1
         self._age.begin(state, pose)
         return True
 
-    def within(self, state: State, pose: Pose) -> Ints:
-        """Return the nodes within half the margin of the boxes.
+    def within(self, distance: float, corners: Ints, state: State, pose: Pose) -> Ints:
+        """Return which nodes, segments or quads are near the boxes by the box around each.
 
-        They depend on the present positions only, not on when the list was made.
+        That depends on the present positions only, not on when the list was made.
+
+        Parameters
+        ----------
+        distance : float
+            From the boxes without the margin, up to which they are near [mm].
+        corners : ndarray of int, shape (n, n_corner)
+            Node ids.
+        state, pose : State, Pose
+            With the tool at the pose.
         """
-        return self._in_boxes(self.ids, state, pose, self.half_margin)
-
-    def _in_boxes(self, ids: Ints, state: State, pose: Pose, inner: float) -> Ints:
-        """Return those of some nodes that are inside boxes narrower by so much [mm]."""
-        low, high, found = self._low + inner, self._high - inner, np.empty(ids.size, np.int64)
-        return found[: self._within(ids, state.node.x, pose, low, high, found)].copy()
-
-    def rows(self, state: State) -> Ints:
-        """Return the quads at listed nodes, ascending."""
-        n, listed = state.node, np.zeros(state.n_quad, np.bool_)
-        at = np.arange(n.quads.shape[1]) < n.n_quad_at[self.ids, None]
-        listed[n.quads[self.ids][at]] = True
-        return np.flatnonzero(listed)
+        corners, found = corners.astype(np.int64, copy=False), np.empty(len(corners), np.int64)
+        n = self._within(corners, state.node.x, pose, self._low, self._high, distance, found)
+        return found[:n].copy()
 
 
 class Clock(NamedTuple):
@@ -184,6 +189,13 @@ def _largest_speed(ids: Ints, velocity: Floats) -> float:
     return sqrt(fastest)
 
 
+def film_nodes(state: State) -> Ints:
+    """Return the nodes as which film moves: the ends of its flanks, too, but no virtual node."""
+    film = state.node.real[: state.n_node].copy()
+    film[state.flank.node[: state.flank.count]] = True
+    return np.flatnonzero(film)
+
+
 @kernel
 def _farthest(
     nodes: Ints, x: Floats, then: Floats, pose: Pose, before: Pose, radius: float
@@ -197,15 +209,24 @@ def _farthest(
 
 
 @kernel
-def _within(ids: Ints, x: Floats, pose: Pose, low: Floats, high: Floats, found: Ints) -> int:
-    """Write those of some nodes that are inside any box to found : (n,), return their number."""
+def _within(
+    corners: Ints, x: Floats, pose: Pose, low: Floats, high: Floats, distance: float, found: Ints
+) -> int:
+    """Write the rows of corners : (n, n_corner) near any box to found : (n,), return their number.
+
+    Near is what has a box around it up to a distance [mm] from it along each axis.
+    """
     pose, count = borrowed(pose), 0
-    for n in ids:
-        p = to_body(load(x, n), pose)
+    for i in range(corners.shape[0]):
+        p = to_body(load(x, corners[i, 0]), pose)
+        least, most = box_around(p, p, p, p)
+        for a in range(1, corners.shape[1]):
+            q = to_body(load(x, corners[i, a]), pose)
+            least, most = box_around(least, most, q, q)
         hit = False
         for b in range(low.shape[0]):
-            hit |= in_box(p, low, high, b)
-        # Without a branch: a node outside is overwritten by the next one.
-        found[count] = n
+            hit |= are_near(least, most, load(low, b), load(high, b), distance)
+        # Without a branch: a row that is not near is overwritten by the next one.
+        found[count] = i
         count += hit
     return count

@@ -33,6 +33,7 @@ step, and rebounds with no more energy than it had before.
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,7 @@ from shellcut.material.shell_material import ShellMaterial
 from shellcut.numerics.borrowed import borrowed
 from shellcut.numerics.jit import BoundOnce, kernel
 from shellcut.numerics.kept import take_over
-from shellcut.numerics.vec3 import load
+from shellcut.numerics.vec3 import add_scaled, dot, load, sub
 from shellcut.state import KernelNodes, State
 from shellcut.tool.closest_triangles import ClosestTriangleGrid
 from shellcut.tool.cutting_edge import CuttingEdges
@@ -161,13 +162,23 @@ class PenaltyContact(PressTerm):
 
         They depend only on the positions at the last one, not on when the list was made.
         """
+        ids = self.near.ids
+        return ids[self.near_soon(ids[:, None], state)]
+
+    def near_soon(self, corners: Ints, state: State) -> Ints:
+        """Return which nodes, segments or quads may come into contact soon; at first none.
+
+        corners : (n, n_corner), node ids.
+        """
         if self._pose is None:
-            return self.near.ids
-        near, distance = self.near.within(state, self._pose), self.near.half_margin
-        solid, found = self.solid, np.empty(self.near.ids.size, np.int64)
-        cells, around = solid.grid.cells, solid.empty_around
-        n = self._soon(near, state.node.x, self._pose, cells, around, solid.reach, distance, found)
-        return found[:n].copy()
+            return self.near.ids[:0]
+        solid, distance = self.solid, self.near.half_margin
+        near = self.near.within(distance, corners, state, self._pose)
+        cells, around, found = solid.grid.cells, solid.empty_around, np.empty_like(near)
+        n = self._soon(
+            corners[near], state.node.x, self._pose, cells, around, solid.reach, distance, found
+        )
+        return near[found[:n]]
 
     def saved(self) -> dict[str, Any]:
         """Return the list of near nodes, what is known of them, and the last forces."""
@@ -198,18 +209,15 @@ class PenaltyContact(PressTerm):
 
     def _collect(self, state: State) -> None:
         """Build the kernel's tables, valid until a split renews the list."""
-        near, n, moving = self.near.ids, state.node, self.near.ids
+        near, n = self.near.ids, state.node
         self.carriers = ContactPoints.of(np.repeat(near[:, None], 4, axis=1))
         if self.film_edges is None:
             self.carriers.stiffness[:] = n.contact_share[near] * self.law.of_nodes(
                 n.contact_area[near]
             )
         else:
-            edges = self.film_edges.of(state)
-            self.carriers.stiffness[:] = edges.left[near]
-            # The other ends of the segments that end at these nodes move with them.
-            moving = np.union1d(near, edges.node[edges.near(near)])
-        self.clock = Clock(moving, np.zeros(1), self._radius)
+            self.carriers.stiffness[:] = self.film_edges.of(state).left[near]
+        self.clock = Clock(near, np.zeros(1), self._radius)
         tables = ContactTables(
             on_border=False,
             tool=self.solid,
@@ -226,7 +234,7 @@ class PenaltyContact(PressTerm):
 
 @kernel
 def _within(
-    ids: Ints,
+    corners: Ints,
     x: Floats,
     pose: Pose,
     cells: GridCells,
@@ -235,10 +243,21 @@ def _within(
     distance: float,
     found: Ints,
 ) -> int:
-    """Write the nodes that may be this near to the solid to found : (n,), return how many."""
-    pose, count = borrowed(pose), 0
-    for n in ids:
-        # Without a branch: a node too far away is overwritten by the next one.
-        found[count] = n
-        count += at_least(to_body(load(x, n), pose), reach, cells, empty_around) <= distance
+    """Write the rows that may be this near to the solid to found : (n,), return how many.
+
+    corners : (n, n_corner), node ids.
+    """
+    pose, count, n_corner = borrowed(pose), 0, corners.shape[1]
+    for i in range(corners.shape[0]):
+        # All of a row is within a ball around the mean of its corners.
+        middle, square = (0.0, 0.0, 0.0), 0.0
+        for a in range(n_corner):
+            middle = add_scaled(middle, 1.0 / n_corner, load(x, corners[i, a]))
+        for a in range(n_corner):
+            off = sub(load(x, corners[i, a]), middle)
+            square = max(square, dot(off, off))
+        away = at_least(to_body(middle, pose), reach, cells, empty_around) - sqrt(square)
+        # Without a branch: a row too far away is overwritten by the next one.
+        found[count] = i
+        count += away <= distance
     return count

@@ -206,10 +206,9 @@ def add_press_forces(
         tables.tool,
     )
     side, on_border, clock = memory.side, tables.on_border, tables.clock
-    if not on_border:  # border segments wait on the same clock, which the nodes have set
-        by_film, by_tool = approach(clock, True, tables.nodes.velocity_half, dt, pose, before)
-        clock.walked[0] += by_tool
-        clock.walked[0] += by_film
+    by_film, by_tool = approach(clock, True, tables.nodes.velocity_half, dt, pose, before)
+    clock.walked[0] += by_tool
+    clock.walked[0] += by_film
     walked = clock.walked[0]
     work = stored = deepest = 0.0
     n_touching = 0

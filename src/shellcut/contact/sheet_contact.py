@@ -60,7 +60,7 @@ from .contact_tables import (
     carry_over,
 )
 from .film_outline import FilmOutline, Part
-from .near_nodes import Clock, ListAge
+from .near_nodes import Clock, ListAge, film_nodes
 from .pair_search import Pairs, PairSearch, Points
 from .penalty_contact import PenaltyContact
 from .press_term import DEEPEST, STORED, WORK, PressTerm
@@ -158,10 +158,7 @@ class SheetContact(PressTerm):
         return np.asarray(self._memory.side != 0)
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
-        """Return the points that need partners, the quads that may be, and film that moves.
-
-        The last are the nodes whose motion makes the list of pairs old.
-        """
+        """Return the points that need partners, the quads that may be, and the nodes near them."""
         raise NotImplementedError
 
     def _stiffness_of(self, state: State) -> Floats:
@@ -301,8 +298,6 @@ class PointContact(SheetContact):
         super().__init__("points", law, points, tool.n_tooth, _SLACK * edge_length, FilmOutline())
         self.nodes = contact
         """The contact of nodes."""
-        self._list_is, self._whole = (-1, -1), self._tracked
-        """The whole rows of its list of that number, at that topology."""
 
     def felt_nodes(self) -> Ints:
         """Return the nodes of the quads that a point presses on."""
@@ -333,12 +328,11 @@ class PointContact(SheetContact):
 
     def _near(self, state: State, pose: Pose) -> tuple[Points, Ints, Ints]:
         near, place = self.nodes.near, pose.to_space(self.points.place)
-        if self._list_is != (near.n_search, state.revision):
-            rows, self._list_is = near.rows(state), (near.n_search, state.revision)
-            halved = state.node.halved[state.quads[rows]].any(axis=1)
-            self._whole = rows[(state.quad.share[rows] >= 1.0) & ~halved]
+        rows = near.within(near.margin, state.quads, state, pose)
+        halved = state.node.halved[state.quads[rows]].any(axis=1)
+        whole = rows[(state.quad.share[rows] >= 1.0) & ~halved]
         points = Points(np.arange(len(place)), place, np.full(len(place), -1))
-        return points, self._whole, near.ids
+        return points, whole, near.ids
 
     def _stiffness_of(self, state: State) -> Floats:
         area = state.node.contact_area[state.quad.nodes[self._pairs.row]].mean(axis=1)
@@ -411,10 +405,8 @@ class SelfContact(SheetContact):
             beside = self.law.thickness / local_edge_length(n.contact_area[self._ids])
             self._rings = 1 + beside.astype(np.int64)
             self._chosen_for.take(state)
-        film = n.real[: n.count].copy()
-        film[state.flank.node[: state.flank.count]] = True
         rows = np.flatnonzero(~self._outline.of(state).absent[: state.n_quad])
-        return Points(self._ids, n.x[self._ids], self._rings), rows, np.flatnonzero(film)
+        return Points(self._ids, n.x[self._ids], self._rings), rows, film_nodes(state)
 
     def _stiffness_of(self, state: State) -> Floats:
         return film_stiffness(state.node, self._pairs.point_of_pair, self._film)

@@ -151,7 +151,7 @@ class FlankPenetration:
         their own side than half of the tool's thickness, and closer to the other.
         """
         contact, segments = self._contact, self._film.of(state)
-        rows = segments.near(contact.near.ids)
+        rows = contact.near.within(0.0, segments.node, state, pose)
         side, depth = state.node.contact_side, state.node.contact_depth
         at = side[segments.node[rows]]
         rows, at = rows[at[:, 0] * at[:, 1] >= 0], at[at[:, 0] * at[:, 1] >= 0]

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from shellcut.simulation.simulation import Simulation
 
 _KIND = "shellcut checkpoint"
-_FORMAT = 40  # raise it whenever names or meaning of the saved values change
+_FORMAT = 41  # raise it whenever names or meaning of the saved values change
 
 _HEADER = 512  # bytes; the smallest user block HDF5 accepts
 _FORMAT_TOLD = re.compile(rb"%s, format (\d{1,9})\n" % _KIND.encode())

@@ -44,7 +44,7 @@ class UnfeltPenetration:
             # A cutting edge is in the quad ahead of a tip along sides: it has come there before the
             # tip splits, and splits are looked for every few steps.
             felt = np.append(felt, sim.cracks.tip_nodes(sim.state))
-        rows = contact.near.rows(sim.state)
+        rows = contact.near.within(0.0, sim.state.quads, sim.state, sim.pose)
         _, quads = missed_penetration(self._wires, sim.state, sim.pose, felt, rows)
         return Unfelt(quads, self._flanks.largest(sim.state, sim.pose))
 
