@@ -47,6 +47,7 @@ class Surface:
         end = triangles[:, (1, 2, 0)].ravel()
         key = np.minimum(start, end) * vertices.shape[0] + np.maximum(start, end)
         self.keys, row, self.uses = np.unique(key, return_inverse=True, return_counts=True)
+        self.row_of_side = row.reshape(-1, 3)  # the side k runs from corner k to the next
         self.lo, self.hi = np.divmod(self.keys, vertices.shape[0])
         runs_up = start < end
         owner = np.repeat(np.arange(n_triangle), 3)
