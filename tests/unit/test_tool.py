@@ -34,6 +34,48 @@ def with_tips(angle):
     return np.concatenate([rim, [[0.0, 0.0, 0.1], [0.0, 0.0, -0.1]]])
 
 
+def revolved(sections):
+    """Vertices and triangles of a ring about z; sections: (n_angle, n_corner, 2), of (r, z)."""
+    n_angle, n_corner, _ = sections.shape
+    angle = 2.0 * np.pi * np.arange(n_angle)[:, None] / n_angle
+    r, z = sections[..., 0], sections[..., 1]
+    vertices = np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=2).reshape(-1, 3)
+    i, k = np.meshgrid(np.arange(n_angle), np.arange(n_corner), indexing="ij")
+    a, b = (((i + step) % n_angle * n_corner + k).ravel() for step in (0, 1))
+    after = (k.ravel() + 1) % n_corner - k.ravel()
+    triangles = np.concatenate(
+        [np.stack(t, 1) for t in ((a, b, b + after), (a, b + after, a + after))]
+    )
+    return vertices, triangles
+
+
+def crown(n_tooth, first=0, per_tooth=24):
+    """Teeth on a tube, sharp on half of its rim and blunt on the rest; walls without a step."""
+    low = np.array([[9.18, 0.6], [9.42, 0.6], [9.6, 1.5], [9.6, 5.0], [9.0, 5.0], [9.0, 1.5]])
+    sections = np.repeat(low[None], n_tooth * per_tooth, axis=0)
+    sharp = (np.arange(len(sections)) + first) % per_tooth <= per_tooth // 2
+    sections[sharp, 0], sections[sharp, 1] = (9.3, 0.0), (9.3, 0.0)
+    vertices, triangles = revolved(sections)
+    # Where the rim is sharp its two corners are one.
+    once = [k - (k % 6 == 1 and sharp[k // 6]) for k in range(len(vertices))]
+    triangles = np.array(once)[triangles]
+    whole = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return vertices, triangles[whole]
+
+
+def tube_with_two_edges(n=60):
+    """A tube with a closed cutting edge at either end."""
+    section = [[9.3, 0.0], [9.6, 1.5], [9.6, 3.5], [9.3, 5.0], [9.0, 3.5], [9.0, 1.5]]
+    return revolved(np.repeat(np.array(section)[None], n, axis=0))
+
+
+def walls(tool):
+    """Sides on the outer and on the inner wall of a ring about z."""
+    out = tool.triangle_normals[:, :2] * tool.vertices[tool.triangles].mean(axis=1)[:, :2]
+    facing = out.sum(axis=1) / 9.3
+    return set(tool.flank[facing > 0.9].tolist()), set(tool.flank[facing < -0.9].tolist())
+
+
 def refusal(*args, **kwargs):
     with pytest.raises(ToolError) as caught:
         Tool.from_triangles(*args, **kwargs)
@@ -252,3 +294,43 @@ def test_an_edge_point_is_clipped_to_its_segment_and_no_tool_has_none():
     assert edges.tooth.shape == (0,)
     # A film with cables and without a tool takes the kernels of one with a tool.
     assert nb.typeof(edges) == nb.typeof(CuttingEdges.of(straight_blade()))
+
+
+RINGS = {
+    **{f"{n} teeth from {k}": crown(n, k) for n, k in ((2, 0), (3, 5), (4, 0), (4, 17), (5, 9))},
+    "closed edges": tube_with_two_edges(),
+}
+
+
+@pytest.mark.parametrize("name", RINGS)
+@pytest.mark.parametrize("turned", [0.0, 0.7, 2.0])
+def test_a_smooth_wall_is_one_side_of_all_cutting_edges_on_it(name, turned):
+    vertices, triangles = RINGS[name]
+    c, s = np.cos(turned), np.sin(turned)
+    tool = Tool.from_triangles(
+        vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), triangles
+    )
+    assert tool.n_body == 1
+    assert tool.n_chain >= 2
+    assert walls(tool) in (({1}, {-1}), ({-1}, {1}))
+
+
+@pytest.mark.parametrize("name", RINGS)
+@pytest.mark.parametrize("chain", [0, 1])
+def test_given_edges_with_opposite_sides_on_a_smooth_wall_are_refused(name, chain):
+    vertices, triangles = RINGS[name]
+    tool = Tool.from_triangles(vertices, triangles)
+    edges = tool.edges.copy()
+    assert Tool.from_triangles(tool.vertices, tool.triangles, edges=edges).n_edge == len(edges)
+    edges[tool.edge_chain == chain] = edges[tool.edge_chain == chain, ::-1]
+    with pytest.raises(ToolError, match=r"must be on the same side.*reverse all segments"):
+        Tool.from_triangles(tool.vertices, tool.triangles, edges=edges)
+
+
+def test_edges_whose_flanks_cannot_agree_are_taken_as_given():
+    # Each of three faces of a spike is the plus side of one edge and the minus side of another.
+    corners = [[0.0, 0.0, 0.0], [0.5, 0.0, 3.0], [-0.25, 0.4, 3.0], [-0.25, -0.4, 3.0]]
+    tool = Tool.from_triangles(
+        corners, [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]], edges=[[0, 1], [0, 2], [0, 3]]
+    )
+    assert tool.edges.tolist() == [[0, 1], [0, 2], [0, 3]]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from math import degrees, radians
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -47,6 +48,7 @@ class Surface:
         end = triangles[:, (1, 2, 0)].ravel()
         key = np.minimum(start, end) * vertices.shape[0] + np.maximum(start, end)
         self.keys, row, self.uses = np.unique(key, return_inverse=True, return_counts=True)
+        self.row_of_side = row.reshape(-1, 3)  # the side k runs from corner k to the next
         self.lo, self.hi = np.divmod(self.keys, vertices.shape[0])
         runs_up = start < end
         owner = np.repeat(np.arange(n_triangle), 3)
@@ -237,6 +239,57 @@ class Surface:
         flank[to_minus < to_plus] = -1
         return flank
 
+    def links(self, plus: Ints, minus: Ints, chain: Ints, largest_turn: float) -> ChainLinks:
+        """Return which chains have flanks that meet, and with which sides.
+
+        Flanks meet where a triangle is as close to one chain as its neighbour to another.
+        """
+        beside, of = np.concatenate([plus, minus]), np.concatenate([chain, chain])
+        side = np.repeat(np.array([1, -1], np.int8), len(chain))
+        order = np.argsort(beside, kind="stable")
+        again = np.flatnonzero(np.diff(beside[order]) == 0)  # beside two segments
+        smooth = self.manifold & (np.abs(self.turn) < largest_turn)
+        seeds, seed = np.unique(beside, return_index=True)
+        away, _, source = scipy.sparse.csgraph.dijkstra(
+            self._over_centres(smooth),
+            directed=False,
+            indices=seeds,
+            min_only=True,
+            return_predecessors=True,
+        )
+        seed_of = np.full(len(self.triangles), -1)
+        seed_of[seeds] = seed
+        a, b = self.forward[smooth], self.backward[smooth]
+        meets = np.isfinite(away[a] + away[b])
+        a, b = a[meets], b[meets]
+        one = np.concatenate([order[again], seed_of[source[a]]])
+        other = np.concatenate([order[again + 1], seed_of[source[b]]])
+        length = np.concatenate([np.zeros(len(again)), away[a] + away[b]])
+        two = np.flatnonzero(of[one] != of[other])
+        one, other, length = one[two], other[two], length[two]
+        low, high = np.minimum(of[one], of[other]), np.maximum(of[one], of[other])
+        # Rounded, so that round-off does not choose between equal ways.
+        length = np.round(length / max(float(length.max(initial=0.0)), np.finfo(float).tiny), 6)
+        closest = np.lexsort((-side[one] * side[other], high, low, length))
+        _, first = np.unique(low[closest] * len(chain) + high[closest], return_index=True)
+        rows = closest[np.sort(first)]
+        return ChainLinks(low[rows], high[rows], side[one[rows]] * side[other[rows]])
+
+    def facing_opposite(self, segments: Ints, chain: Ints, links: ChainLinks) -> list[str]:
+        """Return which chains have opposite sides where flanks meet, if reversing some mends it."""
+        turned, _ = links.alike(int(chain.max(initial=-1)) + 1)
+        as_given = np.ones_like(turned)
+        if links.disagree(turned).any() or not links.disagree(as_given).any():
+            return []
+        wrong = np.flatnonzero(turned < 0)
+        _, first = np.unique(chain, return_index=True)
+        return [
+            "flanks that meet on a smooth surface must be on the same side of their cutting edges, "
+            f"but {counted(len(wrong), 'cutting edge')} has the other side there, the first "
+            f"segment from {self._pairs(segments[first[wrong]])}; reverse all segments of these: "
+            "edges[i] = edges[i, ::-1]"
+        ]
+
     def teeth(self, plus: Ints, minus: Ints, chain: Ints) -> tuple[Ints, Ints]:
         """Return the teeth of triangles and segments: the nearest chain, or a body without one."""
         beside, first = np.unique(np.concatenate([plus, minus]), return_index=True)
@@ -390,13 +443,52 @@ def rows_of(chain: Ints) -> list[Ints]:
     return np.split(np.argsort(chain, kind="stable"), np.cumsum(n)[:-1]) if len(n) else []
 
 
-def facing_alike(segments: Ints, chain: Ints, body: Ints, normal: Floats) -> Ints:
-    """Return segments with those chains reversed that face opposite to the first of their body."""
-    turned = segments.copy()
+class ChainLinks(NamedTuple):
+    """Pairs of chains whose flanks meet on a smooth surface, the closest pair first."""
+
+    first: Ints
+    """Chain, shape (n,)."""
+    second: Ints
+    """The other, shape (n,)."""
+    sign: SmallInts
+    """+1 where they meet with the same side, -1 with opposite sides, shape (n,)."""
+
+    def alike(self, n_chain: int) -> tuple[SmallInts, Ints]:
+        """Return -1 for chains to reverse, so that those that meet have the same side there.
+
+        And the first of the chains with which each is connected, which is not reversed. If that
+        cannot be had for all pairs, as on three edges around a spike, it holds for the closest.
+        """
+        turned, group = np.ones(n_chain, np.int8), np.arange(n_chain)
+        for a, b, sign in zip(*map(np.ndarray.tolist, self), strict=True):
+            low, high = sorted((int(group[a]), int(group[b])))
+            if low != high:
+                turned[group == high] *= turned[a] * turned[b] * sign
+                group[group == high] = low
+        return turned, group
+
+    def disagree(self, turned: SmallInts) -> Bools:
+        """Return at which pairs opposite sides meet if some chains are reversed, (n,)."""
+        return np.asarray(turned[self.first] * turned[self.second] * self.sign < 0)
+
+
+def facing_alike(
+    segments: Ints, chain: Ints, body: Ints, normal: Floats, links: ChainLinks
+) -> Ints:
+    """Return segments with chains reversed so that flanks that meet are on the same side.
+
+    Of chains whose flanks do not meet, those that face opposite to the first of their body.
+    """
+    turned, group = links.alike(int(chain.max(initial=-1)) + 1)
     facing: dict[int, Floats] = {}
-    for mine in rows_of(chain):
+    rows = rows_of(chain)
+    for k, mine in enumerate(rows):
         mean = normal[mine].sum(axis=0)
         first = facing.setdefault(int(body[mine][0]), mean)
-        if float(product(mean, first)) < 0.0:
-            turned[mine] = segments[mine][::-1, ::-1]
-    return turned
+        if group[k] == k and float(product(mean, first)) < 0.0:
+            turned[group == k] *= -1
+    reversed_rows = [mine for k, mine in enumerate(rows) if turned[k] < 0]
+    out = segments.copy()
+    for mine in reversed_rows:
+        out[mine] = segments[mine][::-1, ::-1]
+    return out

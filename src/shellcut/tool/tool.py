@@ -207,13 +207,15 @@ class Tool:
             Counter-clockwise seen from outside.
         edges : array_like of int, shape (n_edge, 2), optional
             The cutting segments, as ids into ``vertices``; each chain keeps the direction of its
-            first segment, which decides the plus side; ``"none"``, or none of shape (0, 2), for a
-            blunt tool, which only pushes. By default they are found by angle.
+            first segment, which decides the plus side: the same one where flanks of two chains
+            meet. ``"none"``, or none of shape (0, 2), for a blunt tool, which only pushes. By
+            default they are found by angle.
         sharp_angle_deg : float, [deg]
             If no edges are given: the least angle between the two outward normals at a convex
             edge that cuts. A wedge of half-angle a turns by 180 - 2a. A chain found in this manner
             starts in the direction of its smallest vertex id; further chains of a body are
-            turned so that their plus sides face the same direction as that of the first.
+            turned so that flanks that meet are on the same side, or, where none meet, so that the
+            plus sides face the same direction as that of the first.
         flank_angle_deg : float, [deg]
             A flank extends from its cutting edge over all edges that turn by less. A triangle
             reached from both sides gets the side with the shorter path over triangle centres
@@ -247,10 +249,13 @@ class Tool:
         segments, chain = chains_of(segments)
         plus, minus = surface.sides(segments)
         normal, back = surface.mid_planes(segments, plus, minus)
+        links = surface.links(plus, minus, chain, radians(flank_angle_deg))
         if given is None:
-            segments = facing_alike(segments, chain, surface.body[plus], normal)
+            segments = facing_alike(segments, chain, surface.body[plus], normal, links)
             plus, minus = surface.sides(segments)
             normal, back = surface.mid_planes(segments, plus, minus)
+        elif opposite := surface.facing_opposite(segments, chain, links):
+            raise ToolError(opposite)
         tooth, edge_tooth = surface.teeth(plus, minus, chain)
         return cls(
             vertices=surface.vertices,
