@@ -350,6 +350,26 @@ def test_an_interval_is_unknown_without_any_run_beside_the_value(by_formula, tmp
     assert json.loads((tmp_path / "fit.json").read_text())["values"][1]["low"] is None
 
 
+@pytest.mark.parametrize(
+    ("plateau", "opening", "at_bound"),
+    [
+        (12.0, 4.0, []),
+        (2.2, 14.5, []),
+        (1.5, 4.0, [PLATEAU]),
+        (70.0, 4.0, [PLATEAU]),
+        (12.0, 0.5, [OPENING]),
+        (60.0, 20.0, [PLATEAU, OPENING]),
+    ],
+)
+def test_a_value_kept_from_beyond_its_range_is_told(
+    by_formula, tmp_path, plateau, opening, at_bound
+):
+    truth = {PLATEAU: plateau, OPENING: opening}
+    found = by_formula(tmp_path, truth, 1.0, lambda *_: False)
+    told = [note.partition(" lies at a bound")[0] for note in found.notes if "widen it" in note]
+    assert told == at_bound
+
+
 @pytest.mark.parametrize("method", ["local", "global"])
 @pytest.mark.parametrize("truth", [3.0, 3.4])
 def test_values_that_cannot_be_run_are_not_the_best(by_formula, tmp_path, truth, method):

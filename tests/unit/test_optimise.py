@@ -1,6 +1,7 @@
 """The search for the best values: limits on figures, their names, and a search of real runs."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from shellcut.command_line import main
 from shellcut.results.cut_quality import UNITS
 from shellcut.results.summary_figures import known_figure
 from shellcut.study.converge import NoFinerFilm, finer_film
+from shellcut.study.factors import factors_of
 from shellcut.study.optimise import OPTIMUM, Optimum, Trial
 from tiny_study import SETTINGS, in_words
 
@@ -114,6 +116,65 @@ def test_the_best_is_better_only_if_a_finer_film_says_so(figures, half_width, to
     assert f"{figures[2]:.3g}" in said.splitlines()[-2 if told else -3]
     assert ("its difference from the one second best is within the scatter" in said) is not told
     assert "its difference from the one as given is within the scatter" not in said
+
+
+@pytest.mark.parametrize(
+    ("settings", "best", "told"),
+    [
+        ({"k": "2:12"}, {"k": 2.0}, ["k = 2.0 lies at a bound of 2.0:12.0"]),
+        ({"k": "2:12"}, {"k": 11.7}, ["k = 11.7 lies at a bound of 2.0:12.0"]),
+        ({"k": "2:12"}, {"k": 3.1}, []),
+        ({"k": "-12:-2"}, {"k": -11.9}, ["k = -11.9 lies at a bound of -12.0:-2.0"]),
+        (
+            {"k": "0.2 mm : 0.5 mm"},
+            {"k": "0.21 mm"},
+            ["k = 0.21 mm lies at a bound of 0.2 mm:0.5 mm"],
+        ),
+        ({"k": "2:12", "n": "3,4,5"}, {"k": 7.0, "n": 5}, ["n = 5 lies at a bound of 3, 4, 5"]),
+        ({"n": [5, 3, 4]}, {"n": 3}, ["n = 3 lies at a bound of 5, 3, 4"]),
+        ({"n": [5, 3, 4]}, {"n": 4}, []),
+        ({"n": "900 um, 1 mm, 1.2 mm"}, {"n": "1 mm"}, []),
+        ({"n": "3, 5"}, {"n": 3}, []),  # nothing lies between two
+        ({"mesh": "M1,M2,quick"}, {"mesh": "M1"}, []),
+        ({"file": ["3.stl", "4.stl", "5.stl"]}, {"file": "3.stl"}, []),
+        ({"flag": [True, False, 2]}, {"flag": True}, []),
+        (
+            {"a, b": "40:12, 60:30, 80:20"},
+            {"a": 80, "b": 20},
+            ["a = 80 lies at a bound of 40, 60, 80"],
+        ),
+        ({"k": "2:12"}, {}, []),  # as given
+    ],
+)
+def test_a_best_value_at_a_bound_is_told(tmp_path, settings, best, told):
+    factors, _ = factors_of(settings)
+    trials = (Trial({}, "a", 3.0), Trial(best, "b", 2.0), Trial({"k": 1.0}, "c", 2.5))
+    found = Optimum("force_peak_N", 1, (), trials, factors=tuple(factors))
+    said = [line for line in str(found).splitlines() if "lies at" in line]
+    assert said == [f"{one}: if values beyond are possible, widen it" for one in told]
+    found.write(tmp_path)
+    assert json.loads((tmp_path / OPTIMUM).read_text())["factors"][0]["keys"]
+
+
+@pytest.mark.parametrize(
+    ("given", "best", "half_width", "change"),
+    [
+        (200.0, 150.0, None, " (-25.0 %)"),
+        (-2.0, -3.0, None, " (-50.0 %)"),
+        (-2.0, -1.0, None, " (+50.0 %)"),
+        (2.0, 0.0, None, " (-100.0 %)"),
+        (0.1, -3.0, None, ""),
+        (-0.1, 3.0, None, ""),
+        (0.0, 3.0, None, ""),
+        (-2.0, -2.1, 0.1, " (-5.0 %, less than the ± of both)"),
+        (0.1, -0.1, 0.3, " (less than the ± of both)"),
+    ],
+)
+def test_the_change_has_the_sign_of_the_difference(given, best, half_width, change):
+    first, other = (Trial({"k": v}, str(v), v, half_width=half_width) for v in (given, best))
+    found = Optimum("axial_force_plateau_N", 1 if best < given else -1, (), (first, other))
+    found = replace(found, confirmed=(first, other), where="again")
+    assert f" at best{change}\n" in f"{found}\n".partition("again: ")[2]
 
 
 def test_of_runs_that_fail_or_miss_the_limits_none_is_best():

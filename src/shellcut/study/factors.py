@@ -12,7 +12,8 @@ import glob
 import itertools
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -21,6 +22,7 @@ import scipy
 from shellcut.arguments import Option, checked
 from shellcut.model_file.overrides import spelled
 from shellcut.model_file.source import parse_value
+from shellcut.unit import parsed
 
 _RANGE = re.compile(r"([^:]+):([^:]+)")
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
@@ -75,6 +77,27 @@ class Factor:
         if self.ends is None:
             return self.values
         return self.of_number(self.ends[0]), self.of_number(self.ends[1])
+
+    def bounds_met(self, values: Mapping[str, object], part: float) -> Iterator[str]:
+        """Yield which of the values by key are :func:`at_bound`: of the range, or of the list.
+
+        A list must be of three numbers or more: each of two is at a bound, and what is no number
+        has no order.
+        """
+        between, within, fewest = (", ", 0.0, 3) if self.ends is None else (":", part, 2)
+        for key in self.keys:
+            several = [self.settings(one)[key] for one in self.probes()]
+            sizes = [size for one in several if (size := _size(one)) is not None]
+            here = _size(values.get(key))
+            if here is None or len(sizes) < len(several) or len(set(sizes)) < fewest:
+                continue
+            if at_bound(here, min(sizes), max(sizes), within):
+                yield f"{key} = {values[key]} lies at a bound of {between.join(map(str, several))}"
+
+
+def at_bound(x: float, low: float, high: float, part: float) -> bool:
+    """Whether a number lies within some part of a range from an end of it, or beyond."""
+    return min(x - low, high - x) <= part * (high - low)
 
 
 def factor(name: str, given: object) -> Factor:
@@ -173,6 +196,14 @@ def _numbers(key: str, first: str, last: str) -> tuple[float, float, str] | None
     if a[2] and a[2] != b[2]:
         raise ValueError(f"{key}: both ends of a range must have one unit, got {first}:{last}")
     return float(a[1]), float(b[1]), b[2]
+
+
+def _size(value: object) -> float | None:
+    """Return a number, or one with a unit in mm, N and s, to compare it; None of anything else."""
+    if found := _NUMBER.fullmatch(str(value)):
+        with suppress(ValueError):  # no unit, as of a file 3.stl
+            return float(found[1]) * float(parsed(found[2])[0] if found[2] else 1)
+    return None
 
 
 def _parts(text: str, between: str) -> list[str]:

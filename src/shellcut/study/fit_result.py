@@ -32,6 +32,7 @@ from shellcut.results.comparison import Comparison, finite
 from shellcut.view import Curve, Diagram, can_draw, draw_curves
 
 from .curve_misfit import correlations, residuals
+from .factors import at_bound
 from .fit_runs import FitRuns
 
 FIT, PICTURE = "fit.json", "fit.png"
@@ -43,6 +44,8 @@ five times as wide as if the other were known."""
 _LEAST_LEFT = 1e-6
 """Part of a curve's points, less than which is round-off: all of the curve went into the parameters
 and nothing is left to tell its errors."""
+_NEAR = 2e-3
+"""Part of a range, by its logarithm, to which a fit comes near to an end that it is kept from."""
 _WIDE = 1.5
 """Factor from the value to the end of its interval beyond which it is not determined."""
 
@@ -244,7 +247,7 @@ def _judged(
                 f"the data hardly determine {one.key}: with 95 % it lies between {one.low:.3g} and "
                 f"{one.high:.3g} {one.unit}".rstrip()
             )
-        if min(best[k] - low[k], high[k] - best[k]) < 1e-3:
+        if at_bound(best[k], low[k], high[k], _NEAR):
             notes.append(f"{one.key} lies at a bound, {one.value:.4g} {one.unit}: widen it")
     tried = runs.tried.values()
     notes += [f"distrust, at the fitted values: {doubt}" for doubt in runs.at(best).doubts]

@@ -47,6 +47,7 @@ OPTIMUM, PICTURE = "optimum.json", "optimum.png"
 
 _AT_A_TIME = 4  # sets proposed before their results are told: keeps four processes busy
 _DIGITS = 4  # of a value: nobody makes a tooth more precisely
+_NEAR = 0.05  # part of a range to which 60 proposals come near to the best of it
 _LIMIT = re.compile(r"\s*(\w[^<>=]*?)\s*(<=|>=|==)\s*([-+.\deE]+)\s*")
 
 _FAILED, _BEYOND, _DISTRUSTED = "failed", "beyond the limits", "distrusted"
@@ -105,6 +106,8 @@ class Optimum:
     """Whether a run that its verdict distrusts may be the best."""
     compared: tuple[Trial, ...] = field(default=())
     """If the value is a mean: the first and the best over their common steady window, if any."""
+    factors: tuple[Factor, ...] = field(default=())
+    """What was sought, with its bounds."""
 
     @property
     def second(self) -> Trial | None:
@@ -162,6 +165,8 @@ class Optimum:
                 lines += [f"{self.where}: {line}" for line in self._against(other, again, name)]
         elif self.unconfirmed:
             lines.append(f"not run on a finer film: {self.unconfirmed}")
+        near = (said for one in self.factors for said in one.bounds_met(best.values, _NEAR))
+        lines += [f"{said}: if values beyond are possible, widen it" for said in near]
         return "\n".join([*lines, n_run])
 
     def _why_none(self, states: Sequence[str]) -> Iterator[str]:
@@ -185,12 +190,16 @@ class Optimum:
         if start.figure is None or best.figure is None:
             yield f"{name}: {start.reason or best.reason}"
             return
-        change = 100.0 * (best.figure / start.figure - 1.0) if start.figure else float("nan")
+        notes = []
+        if start.figure and best.figure * start.figure >= 0.0:  # a change of sign has no ratio
+            change = 100.0 * (best.figure - start.figure) / abs(start.figure)
+            notes.append(f"{change:+.1f} %")
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
         given, found = self._said(start), self._said(best)
         alike = best.folder != start.folder and self._alike(start, best)
-        less = ", less than the ± of both" if alike else ""
-        yield f"{name}: {given} {who}, {found} at best ({change:+.1f} %{less}){beyond}"
+        notes += ["less than the ± of both"] if alike else []
+        less = f" ({', '.join(notes)})" if notes else ""
+        yield f"{name}: {given} {who}, {found} at best{less}{beyond}"
         if best.values != start.values and (alike or self._rank(best) >= self._rank(start)):
             yield f"its difference from the one {who} is within the scatter"
         for which, one in {who: start, "at best": best}.items():
@@ -331,7 +340,8 @@ def optimise(
                 study.tell(one, value, optuna.trial.TrialState.FAIL if value is None else None)
             trials += done
         kept = tuple(subject_to)
-        found = Optimum(wanted, sign, kept, tuple(trials), allow_doubts=allow_doubts)
+        found = Optimum(wanted, sign, kept, tuple(trials), factors=tuple(factors))
+        found = replace(found, allow_doubts=allow_doubts)
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
             found = replace(found, compared=_in_common([trials[0], found.best], wanted))
         if found.best and confirm != {}:
