@@ -1,6 +1,7 @@
 """Figures of a cut's quality, on films cut by hand whose answers are known."""
 
 import dataclasses
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from opening_frame import RADIUS, disc, opening_frame
 from shellcut import Mesh, ShellMaterial, Simulation
 from shellcut.fracture.open_edges import crack_edges
 from shellcut.mesh.structured import rectangle
+from shellcut.numerics.connected_parts import connected_parts
 from shellcut.recording.frame_capture import frame_of
 from shellcut.results.cut_quality import UNITS, cut_quality
 
@@ -230,3 +232,95 @@ def test_branches_and_loops_are_one_crack():
     assert quality.crack_length == pytest.approx(4.0 + 2 * 8.0, rel=EXACT)
     assert quality.cutout.area == pytest.approx(4.0, rel=EXACT)
     assert quality.figures()["n_loose"] == 2
+
+
+def crossing_cuts(*lines):
+    """The sheet, held at a corner, parted along lines that may meet and cross."""
+    ids = [[node(x, Y0 + y) for x, y in line] for line in lines]
+    parted = {frozenset(side) for line in ids for side in pairwise(line)}
+    corner = np.arange(SHEET.quads.size).reshape(-1, 4)
+    ends: dict[tuple[int, int], tuple[int, int]] = {}
+    pairs = []
+    for old, own in zip(SHEET.quads.tolist(), corner.tolist(), strict=True):
+        for k in range(4):
+            i, j = old[k - 1], old[k]
+            ends[i, j] = own[k - 1], own[k]
+            if (j, i) in ends and frozenset((i, j)) not in parted:
+                pairs += zip(ends[i, j], ends[j, i][::-1], strict=True)
+    quads = connected_parts(*np.array(pairs).T, corner.size)[corner]
+    origin = np.empty(quads.max() + 1, dtype=int)
+    origin[quads] = SHEET.quads
+    whole = still_frame(SHEET, held=[node(0, Y0)])
+    names = "points", "reference", "director", "velocity", "held"
+    of_nodes = {name: getattr(whole, name)[origin] for name in names}
+    crossed = {"quads": quads, "crack_edges": crack_edges(quads, origin)}
+    return dataclasses.replace(whole, **of_nodes, **crossed)
+
+
+# A loop of 3 mm x 2 mm from its corner (3, 2), and what else is cut.
+LOOP = [*SQUARE, SQUARE[0]]
+OVERRUNS = {
+    "its end runs out of it": [[*LOOP, (2, 2)]],
+    "its end runs into it": [[(3, 3), (3, 2), *SQUARE[1:9], (3, 3), (4, 3)]],
+    "both ends cross at a corner": [[(3, 1), *LOOP, (2, 2), (1, 2)]],
+    "its start is long": [[(3, y) for y in range(8)], [*SQUARE[:9]]],
+    "two cracks that cross twice": [
+        [*straight(1, 6, 2), (6, 3), (6, 4), (6, 5)],
+        [(3, 1), (3, 2), (3, 3), (3, 4), *straight(4, 8)],
+    ],
+    "four straight cuts": [
+        straight(1, 8, 2),
+        straight(2, 7, 4),
+        [(3, y) for y in range(1, 7)],
+        [(6, y) for y in range(1, 6)],
+    ],
+    "a crack across": [LOOP, [(4, 1), (4, 2), (4, 3), (4, 4), (4, 5)]],
+    "a slit inside and branches": [[*LOOP, (3, 1)], straight(6, 9, 3), [(4, 3), (5, 3)]],
+    "a smaller loop at its corner": [LOOP, [(6, 4), (7, 4), (7, 5), (6, 5), (6, 4)]],
+}
+
+
+@pytest.mark.parametrize("rolled", [False, True])
+@pytest.mark.parametrize("name", OVERRUNS)
+def test_a_line_that_is_closed_is_cut_wholly_whatever_else_is_cut(name, rolled):
+    frame = crossing_cuts(*OVERRUNS[name])
+    if rolled:  # to a part of a cylinder
+        x, y, _ = frame.reference.T
+        shape = np.stack([8.0 * np.sin(x / 8.0), y, 8.0 * np.cos(x / 8.0)], axis=1)
+        frame = dataclasses.replace(frame, reference=shape, points=shape)
+    quality = cut_quality(frame)
+    inside = within(SHEET, (3, 6), (2, 4))
+    assert quality.cut_share == 1.0
+    assert quality.cutout.quads.tolist() == inside.tolist()
+    chord = 16.0 * np.sin(1.0 / 16.0) if rolled else 1.0
+    assert quality.cutout.area == pytest.approx(6.0 * chord, rel=EXACT)
+    assert quality.figures()["n_loose"] >= 1
+
+
+def test_branches_of_cracks_around_a_cut_out_leave_its_bridges():
+    # Two cracks around 6 mm x 4 mm, which face each other across 2 mm on both sides; the branch is
+    # longer than either of them, and leads out of the sheet's middle.
+    lower = [(2, 3), (2, 2), *straight(3, 7, 2), (8, 2), (8, 3)]
+    upper = [(2, 5), (2, 6), *straight(3, 7, 6), (8, 6), (8, 5)]
+    branch = [(8, 2), (8, 1), *straight(7, 1, 1)]
+    plain = cut_quality(crossing_cuts(lower, upper))
+    quality = cut_quality(crossing_cuts(lower, upper, branch))
+    assert [bridge.width for bridge in quality.bridges] == pytest.approx([2.0, 2.0], rel=EXACT)
+    assert quality.cut_share == pytest.approx(16.0 / 20.0, rel=EXACT)
+    assert quality.cut_share == pytest.approx(plain.cut_share, rel=EXACT)
+    assert quality.cutout.quads.tolist() == plain.cutout.quads.tolist()
+
+
+def test_ends_that_overran_and_face_each_other_leave_the_line_closed():
+    # The tails at the corners of 8 mm x 4 mm face each other along its lower and upper side.
+    loop = [*straight(1, 9, 2), *[(9, y) for y in range(3, 6)], *straight(9, 1, 6)]
+    loop += [(1, y) for y in range(5, 1, -1)]
+    tails = [
+        [(x, y), (x, y + out), (x + into, y + out)]
+        for x, into in ((1, 1), (9, -1))
+        for y, out in ((2, -1), (6, 1))
+    ]
+    quality = cut_quality(crossing_cuts(loop, *tails))
+    assert [bridge.width for bridge in quality.bridges] == pytest.approx([6.0, 6.0], rel=EXACT)
+    assert quality.cut_share == 1.0
+    assert quality.cutout.area == pytest.approx(32.0, rel=EXACT)

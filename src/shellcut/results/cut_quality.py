@@ -7,18 +7,24 @@ A *place* is a point at which flanks coincide before the cut: one node, or a nod
 Crack edges with a common place belong to one *crack*, unless the node there is not split: there
 cracks *end*. An end on the film's boundary is open and not an end in this sense. A crack without
 two ends, or a straight one, has no flap.
+
+Cracks, and bridges from end to end, are a network on the film. Its closed lines are those around
+each of its meshes and around all of them, without the ways that lead nowhere: a cut that overruns
+its own start leaves such ways. They are also looked for without the bridges, because ends that
+overran may face each other across film beside a line that is closed already. The cut-out is inside
+the line whose area, times the share of it that is cut, is largest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools, Floats, Ints, angles, unit
+from shellcut.arrays import Bools, Floats, Ints, angles, cross, norm, unit
 from shellcut.frame import Frame, is_corner
 from shellcut.mesh.outline import within
 from shellcut.mesh.quad_geometry import quad_vectors
@@ -84,7 +90,7 @@ class CutQuality:
     flaps: tuple[Part, ...]
     """Largest first."""
     cutout: Part | None
-    """The largest one, if there are several closed lines."""
+    """The one with the largest area times cut share, if there are several closed lines."""
     cut_share: float
     """Cut share of the cut-out's line; 0 without such a line."""
     pieces: tuple[Piece, ...]
@@ -149,24 +155,20 @@ def cut_quality(frame: Frame) -> CutQuality:
     minus, plus = frame.points[edges].mean(axis=2).transpose(1, 0, 2)
     slit = np.linalg.norm(plus - minus, axis=1)
     total = float(lengths.sum())
-    surface = _Surface(frame)
-    cracks = list(_cracks(frame, lengths))
+    surface, place = _Surface(frame), _places(frame)
+    cracks = list(_cracks(frame, place, lengths))
     bridges = list(_bridges(cracks))
-    lines = [crack.line for crack in cracks if len(crack.tips) == 2]
-    flaps = [flap for line in lines if (flap := surface.part(line)) is not None]
-    cutouts = [
-        (part, length / (length + width))
-        for line, length, width in _closed_lines(cracks, bridges)
-        if (part := surface.part(line)) is not None
-    ]
-    cutout, share = max(cutouts, key=lambda found: found[0].area, default=(None, 0.0))
+    flaps = [surface.part(crack.line) for crack in cracks if crack.joins_ends]
+    network = _network(frame, place, lengths, bridges)
+    cutouts = ((surface.part(line), share) for line, share in _closed_lines(surface, network))
+    cutout, share = next((found for found in cutouts if found[0] is not None), (None, 0.0))
     return CutQuality(
         cracks=tuple(crack.line for crack in cracks),
         crack_length=total,
         slit_width=slit,
         slit_width_mean=float(slit @ lengths) / total if total else 0.0,
         bridges=tuple(Bridge(np.stack([a.place, b.place]), width) for a, b, width in bridges),
-        flaps=tuple(sorted(flaps, key=lambda flap: -flap.area)),
+        flaps=tuple(sorted(filter(None, flaps), key=lambda flap: -flap.area)),
         cutout=cutout,
         cut_share=share,
         pieces=tuple(_pieces(frame, surface)),
@@ -180,6 +182,7 @@ def cut_quality(frame: Frame) -> CutQuality:
 class _Tip:
     """An end of a crack, with the direction of its last edge."""
 
+    node: int
     place: Floats
     ahead: Floats
 
@@ -187,37 +190,41 @@ class _Tip:
 @dataclass(frozen=True, eq=False)
 class _Crack:
     line: Floats
-    length: float
-    closed: bool
-    tips: list[_Tip] = field(default_factory=list)
-    """At most two, the one at the start of the line first."""
+    joins_ends: bool
+    """Whether the line goes from an end to an end."""
+    tips: list[_Tip]
+    """All ends, also those of branches."""
 
 
-def _cracks(frame: Frame, lengths: Floats) -> Iterator[_Crack]:
-    edges = frame.crack_edges
-    if len(edges) == 0:
+def _places(frame: Frame) -> Ints:
+    """Return the place of each node: flanks of a crack edge start, and end, at the same place."""
+    flanks = frame.crack_edges.transpose(1, 0, 2).reshape(2, -1)
+    return connected_parts(flanks[0], flanks[1], len(frame.points))
+
+
+def _cracks(frame: Frame, place: Ints, lengths: Floats) -> Iterator[_Crack]:
+    flank = frame.crack_edges[:, 0].ravel()
+    if flank.size == 0:
         return
-    # Places: the two flanks of a crack edge start at the same place and end at the same place.
     n_node = len(frame.points)
-    flanks = edges.transpose(1, 0, 2).reshape(2, -1)
-    place = connected_parts(flanks[0], flanks[1], n_node)
-    whole = np.bincount(place, minlength=n_node)[place[flanks[0]]] == 1
+    whole = np.bincount(place, minlength=n_node)[place[flank]] == 1
     # A node that is not split is an end of every crack that arrives: give each its own place.
-    ends = np.where(whole, n_node + np.arange(whole.size), place[flanks[0]])
+    ends = np.where(whole, n_node + np.arange(whole.size), place[flank])
     names, first, ends = np.unique(ends, return_index=True, return_inverse=True)
     ends = ends.reshape(-1, 2)
-    node = flanks[0][first]
+    node = flank[first]
     is_tip = names >= n_node
     crack = connected_parts(ends[:, 0], ends[:, 1], names.size)
     for k in np.unique(crack):
-        mine = crack[ends[:, 0]] == k
-        way = _way(ends[mine], lengths[mine], is_tip)
-        line = frame.reference[node[way]]
+        of_it = crack[ends[:, 0]] == k
+        mine = ends[of_it]
+        way = _way(mine, lengths[of_it], is_tip)
         tips = [
-            _Tip(line[i], unit(line[i] - line[j])) for i, j in ((0, 1), (-1, -2)) if is_tip[way[i]]
+            _Tip(int(node[i]), at := frame.reference[node[i]], unit(at - frame.reference[node[j]]))
+            for i, j in np.concatenate([mine, mine[:, ::-1]]).tolist()
+            if is_tip[i]
         ]
-        length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
-        yield _Crack(line, length, bool(way[0] == way[-1]), tips)
+        yield _Crack(frame.reference[node[way]], bool(is_tip[way[[0, -1]]].all()), tips)
 
 
 def _way(edges: Ints, lengths: Floats, is_tip: Bools) -> Ints:
@@ -289,36 +296,88 @@ def _width(a: _Tip, b: _Tip) -> float | None:
     return chord / float(np.sinc(off / np.pi))
 
 
-def _closed_lines(
-    cracks: list[_Crack], bridges: list[tuple[_Tip, _Tip, float]]
-) -> Iterator[tuple[Floats, float, float]]:
-    """Yield the closed lines of cracks and bridges: places, length cut, width of the bridges."""
-    across: dict[_Tip, tuple[_Tip, float]] = {}
-    for a, b, width in bridges:
-        across[a], across[b] = (b, width), (a, width)
-    other = {}
-    for crack in cracks:
-        if crack.closed:
-            yield crack.line[:-1], crack.length, 0.0
-        elif len(crack.tips) == 2:
-            first, last = crack.tips
-            other[first], other[last] = (last, crack, 1), (first, crack, -1)
-    left = dict.fromkeys(other)
-    while left:
-        start = tip = next(iter(left))
-        lines, cut, bridged = [], 0.0, 0.0
-        while tip in left:
-            tip, crack, sense = other[tip]
-            for end in crack.tips:
-                del left[end]
-            lines.append(crack.line[::sense])
-            cut += crack.length
-            if tip not in across:
+# --- closed lines --------------------------------------------------------------------------------
+
+
+class _Network(NamedTuple):
+    """Cracks and bridges."""
+
+    place: Ints
+    """Of each node."""
+    ways: Ints
+    """Nodes at the ends of each crack edge, then of each bridge, shape (n_way, 2)."""
+    lengths: Floats
+    """[mm]"""
+    n_edge: int
+    """Number of crack edges."""
+
+
+def _network(
+    frame: Frame, place: Ints, lengths: Floats, bridges: list[tuple[_Tip, _Tip, float]]
+) -> _Network:
+    # A bridge between cracks that meet at a node is no way: it has no length.
+    across = np.array([(a.node, b.node, w) for a, b, w in bridges if w > 0.0]).reshape(-1, 3)
+    ways = np.concatenate([frame.crack_edges[:, 0], across[:, :2].astype(int)])
+    return _Network(place, ways, np.concatenate([lengths, across[:, 2]]), len(lengths))
+
+
+def _closed_lines(surface: _Surface, network: _Network) -> list[tuple[Floats, float]]:
+    """Return the closed lines, and the share of each that is cut, in the order of the cut-out."""
+    X, found = surface.reference, []
+    for n in (network.n_edge, len(network.ways)):
+        for around in _loops(surface, network.place, network.ways[:n]):
+            line = X[network.ways[around >> 1, around & 1]]
+            lengths = network.lengths[around >> 1]
+            share = float(lengths[around >> 1 < network.n_edge].sum() / lengths.sum())
+            arm = line - line[0]
+            area = 0.5 * float(norm(cross(arm, np.roll(arm, -1, axis=0)).sum(axis=0)))
+            found.append((area * share, line, share))
+    return [(line, share) for _, line, share in sorted(found, key=lambda one: -one[0])]
+
+
+def _loops(surface: _Surface, place: Ints, ways: Ints) -> Iterator[Ints]:
+    """Yield the ways around each mesh of a network: 2 k for the k-th, 2 k + 1 for it backwards.
+
+    From the end of a way a line goes on along the next one clockwise, so it stays beside one mesh.
+    Where it comes back to a place, the part since then is a loop of its own; a way there and back
+    is none.
+    """
+    onward = _clockwise(surface, place, ways).tolist()
+    tail, left = place[ways].ravel().tolist(), [True] * len(onward)
+    for way in range(len(onward)):
+        walk: list[int] = []
+        at: dict[int, int] = {}
+        while True:
+            if (start := at.get(tail[way])) is not None:
+                loop = walk[start:]
+                del walk[start:]
+                for k in loop:
+                    del at[tail[k]]
+                if len(loop) > 2:
+                    yield np.array(loop)
+            if not left[way]:
                 break
-            tip, width = across[tip]
-            bridged += width
-        if tip is start:
-            yield np.concatenate(lines), cut, bridged
+            left[way], at[tail[way]] = False, len(walk)
+            walk.append(way)
+            way = onward[way]
+
+
+def _clockwise(surface: _Surface, place: Ints, ways: Ints) -> Ints:
+    """Return the way after each way of :func:`_loops`, clockwise seen from the film's normal."""
+    tail, X = place[ways].ravel(), surface.reference
+    along = (X[ways[:, ::-1]] - X[ways]).reshape(-1, 3)
+    normal = np.zeros((len(place), 3))
+    np.add.at(normal, place[surface.quads], surface.before[:, None])
+    up = unit(normal[tail])
+    east = cross(up, np.eye(3)[np.abs(up).argmin(axis=1)])
+    angle = np.arctan2((along * cross(up, east)).sum(axis=1), (along * east).sum(axis=1))
+    order = np.lexsort((-angle, tail))
+    last = np.flatnonzero(np.diff(tail[order], append=-1))
+    after = np.roll(order, -1)
+    after[last] = order[np.append(0, last[:-1] + 1)[: last.size]]
+    onward = np.empty_like(order)
+    onward[order ^ 1] = after
+    return onward
 
 
 # --- flaps, cut-out, pieces ----------------------------------------------------------------------
@@ -331,6 +390,7 @@ class _Surface:
         own = is_corner(frame.quads)
         corners = frame.reference[frame.quads] * own[..., None]
         self.centre = corners.sum(axis=1) / own.sum(axis=1)[:, None]
+        self.reference, self.quads = frame.reference, frame.quads
         self.before = quad_vectors(frame.reference, frame.quads)
         self.now = quad_vectors(frame.points, frame.quads)
         self.area = np.linalg.norm(self.before, axis=1)
