@@ -1,11 +1,15 @@
 """What a run answers: each question with its ±, or why there is no answer."""
 
+import re
+from collections import defaultdict
+
 import numpy as np
 import pytest
 
 import shellcut as sc
 from shellcut.models.case import Case
 from shellcut.results.answers import answers
+from shellcut.results.summary_figures import run_figures
 from shellcut.simulation.simulation import Simulation
 
 TORQUE = {"torque_plateau_Nmm": 140.7, "torque_plateau_half_width_Nmm": 1.4}
@@ -56,6 +60,37 @@ def test_a_question_has_its_answer_and_no_other_question_is_answered(summary, as
     assert question == asked
     assert said in answer
     assert ("doubtful" in answer) == (said == "doubtful")
+
+
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [
+        (lambda u: 2.3 * np.sin(4.0 * u) - 0.1, "between -2.4 N at 67.5° and 2.2 N at 22.5°"),
+        (lambda u: np.where(u < 1.0, -4.0 * u, u), "between -3.98 N at 57° and 1.57 N at 90°"),
+        (lambda u: 3.0 * np.sin(2.0 * u) - 0.1, "at most 2.9 N, at 45°"),  # starts at -0.1
+        (lambda u: 0.1 - 3.0 * np.sin(2.0 * u), "down to -2.9 N, at 45°"),
+        (lambda u: np.where(u < 1.2, 1.0 + u, np.nan), "at most 2.2 N, at 68.7°"),
+        (lambda u: 0.0 * u, "at most 0 N, at 0°"),
+    ],
+)
+@pytest.mark.parametrize(("name", "asked"), [("axial_force", "to press"), ("force", "to cut")])
+def test_a_force_of_both_signs_has_both_extremes_with_their_places(name, asked, force, said):
+    angle = np.linspace(0.0, 90.0, 301)
+    history = defaultdict(lambda: 0.0 * angle, time=angle, angle=angle, crack_length=angle)
+    history[name] = force(np.radians(angle))
+    found = run_figures(history, ("angle", "deg"), ("force", "N"))
+    low, high, peak = (found[f"{name}_{which}_N"] for which in ("min", "max", "peak"))
+    assert (low, high) == (np.nanmin(history[name]), np.nanmax(history[name]))
+    assert abs(peak) == max(-low, high)
+    for which, value in (("min", low), ("max", high), ("peak", peak)):
+        row = np.flatnonzero(angle == found[f"{name}_{which}_at_deg"])
+        assert history[name][row] == value
+    told = answers({one: value for one, value in found.items() if one.startswith(f"{name}_")})
+    assert [(question, rounded(answer)) for question, answer in told] == [(f"force {asked}", said)]
+
+
+def rounded(text):
+    return re.sub(r"-?\d+\.\d+", lambda found: f"{float(found[0]):.3g}", text)
 
 
 def test_a_loose_piece_is_told_with_its_area_and_place(tmp_path):

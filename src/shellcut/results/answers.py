@@ -22,6 +22,9 @@ from .verdict import Line, distrusted_figures, is_of_a_tool, repeated_notes, sin
 
 Summary = Mapping[str, Any]
 
+_SIGN = 0.05
+"""Of the peak: a value of the other sign up to this is a vibration of the film or the tool."""
+
 
 def answers(summary: Summary) -> list[tuple[str, str]]:
     """Return what is asked, and the answer, of all questions that the run can say something to.
@@ -55,17 +58,30 @@ def _level(summary: Summary, name: str, asked: str) -> Iterator[tuple[str, str]]
 
 
 def levels(summary: Summary, name: str) -> list[str]:
-    """Return the mean of a torque or force over the steady window, and its peak."""
+    """Return the mean of a torque or force over the steady window, and its peak.
+
+    If it has both signs, the peak is two: one is the most that resists, the other the most that
+    drives.
+    """
     unit = "Nmm" if name == "torque" else "N"
-    mean, peak = f"{name}_plateau_{unit}", f"{name}_peak_{unit}"
+    mean, peak, low, high = (f"{name}_{one}_{unit}" for one in ("plateau", "peak", "min", "max"))
     said = []
     if mean in summary:
         said.append(f"{said_of(mean, summary)} (mean over {window_of(summary)})")
-    if peak in summary:
-        places = (f"{name}_peak_at_{along}" for along in ("deg", "mm"))
-        at = next((f", at {with_unit(p, summary[p])}" for p in places if p in summary), "")
-        said.append(f"at most {with_unit(peak, summary[peak])}{at}")
+    if min(-summary.get(low, 0.0), summary.get(high, 0.0)) > _SIGN * abs(summary.get(peak, 0.0)):
+        said.append(f"between {_placed(summary, low)} and {_placed(summary, high)}")
+    elif peak in summary:
+        bound = "at most" if summary[peak] >= 0.0 else "down to"
+        said.append(f"{bound} {_placed(summary, peak, ', at')}")
     return said
+
+
+def _placed(summary: Summary, key: str, at: str = " at") -> str:
+    """Return a value with its place, if that is there."""
+    name = key.rpartition("_")[0]
+    places = (f"{name}_at_{along}" for along in ("deg", "mm"))
+    where = next((f"{at} {with_unit(p, summary[p])}" for p in places if p in summary), "")
+    return f"{with_unit(key, summary[key])}{where}"
 
 
 def _piercing(summary: Summary) -> Iterator[tuple[str, str]]:

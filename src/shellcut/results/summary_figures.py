@@ -34,6 +34,9 @@ _UNITS = {
     **{"_mm2": "mm^2", "_mm": "mm", "_N": "N", "_s": "s"},
 }
 
+PEAK = "_peak_"
+"""In the names of values of largest magnitude, which have their sign."""
+
 _STEADY = " over {window}"
 """Placeholder for the steady window in a label."""
 
@@ -45,6 +48,8 @@ LABELS = {
     "axial_force_plateau_N": f"axial force, mean{_STEADY}",
     "axial_force_peak_N": "axial force, peak",
     "axial_force_peak_at_deg": "axial force, peak at",
+    "axial_force_min_N": "axial force, smallest",
+    "axial_force_max_N": "axial force, largest",
     "force_plateau_N": f"force, mean{_STEADY}",
     "force_peak_N": "force, peak",
     "force_peak_at_mm": "force, peak at",
@@ -101,8 +106,16 @@ LABELS = {
 }
 """Label of each value, in the order shown; the unit is in its name."""
 
+_EXTREMES = {
+    f"{name}_{which}_{end}"
+    for name, unit in (("torque", "Nmm"), ("force", "N"), ("axial_force", "N"))
+    for which in ("min", "max")
+    for end in (unit, "at_deg", "at_mm")
+}
+
 # Figures that the report judges or shows elsewhere on the page.
 _ELSEWHERE = {
+    *_EXTREMES,
     *("imbalance_rel", "kinetic_rel", "dt_s", "verdict", "edge_length_mm", "broke_off"),
     *(f"{part.name}_Nmm" for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)),
     *("overshoot_rel", "n_split_off_path", "off_path_mm"),
@@ -254,8 +267,8 @@ def run_figures(
         **{f"{name}_Nmm": end[name] for name in _OF_CABLES if name in end},
         **relative_figures(history),
         "crack_length_mm": end["crack_length"],
-        **_peak(history, coordinate, resistance),
-        **_peak(history, coordinate, ("axial_force", "N")),
+        **_extremes(history, coordinate, resistance),
+        **_extremes(history, coordinate, ("axial_force", "N")),
         **_piercing(splits),
     }
     counts = {
@@ -286,10 +299,10 @@ def _piercing(splits: Iterable[SplitRecord]) -> dict[str, float]:
     return told | ({"piercing_delay_rel": delay} if delay else {})
 
 
-def _peak(
+def _extremes(
     history: Mapping[str, Floats], coordinate: tuple[str, str], resistance: tuple[str, str]
 ) -> dict[str, float]:
-    """Return the value of largest magnitude, with its sign, and where it occurred.
+    """Return the least and the largest value, the one of larger magnitude, and where they occurred.
 
     Nothing if the history has no such column.
     """
@@ -298,8 +311,9 @@ def _peak(
     finite = np.flatnonzero(np.isfinite(values))
     if not finite.size:
         return {}
-    k = int(finite[np.argmax(np.abs(values[finite]))])
-    return {
-        f"{name}_peak_{unit.replace('*', '')}": float(values[k]),
-        f"{name}_peak_at_{coordinate[1]}": float(history[coordinate[0]][k]),
-    }
+    low, high = (int(finite[k]) for k in (values[finite].argmin(), values[finite].argmax()))
+    peak = max(sorted((low, high)), key=lambda k: abs(float(values[k])))
+    rows = {f"{name}_min": low, f"{name}_max": high, f"{name}_peak": peak}
+    in_unit, (x, x_unit) = unit.replace("*", ""), coordinate
+    sizes = {f"{figure}_{in_unit}": float(values[k]) for figure, k in rows.items()}
+    return sizes | {f"{figure}_at_{x_unit}": float(history[x][k]) for figure, k in rows.items()}

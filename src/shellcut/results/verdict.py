@@ -422,7 +422,7 @@ def distrusted_figures(figures: Figures) -> tuple[str, ...]:
     """
     side, bent = figures.get("path_edge_mm", 0.0), figures.get("bending_length_mm", float("nan"))
     presses = side > bent and figures.get("options", {}).get("film_edges")
-    axial = ("axial_force_plateau_N", "axial_force_peak_N")
+    axial = (f"axial_force_{which}_N" for which in ("plateau", "peak", "min", "max"))
     return tuple(one for one in axial if presses and one in figures)
 
 

@@ -26,6 +26,7 @@ from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
 from shellcut.results.steady_window import half_width_of
 from shellcut.results.summary_figures import (
+    PEAK,
     figure_name,
     known_figure,
     label_of,
@@ -63,7 +64,7 @@ class Trial:
     folder: str
     """Of the run."""
     figure: float | None = None
-    """What is sought; None if the run failed."""
+    """What is sought, of a peak its size; None if the run failed."""
     missed: float = 0.0
     """How far it is beyond the limits, in their units, together; 0 within all."""
     reason: str = ""
@@ -263,6 +264,7 @@ def optimise(
     minimise, maximise : str
         One of them: a value of ``summary.json`` or of :class:`shellcut.CutQuality` at the end, as
         ``torque_peak_Nmm``; its unit may be left out, and the words of the reports are names, too.
+        Of a peak the size counts, whatever its sign.
     subject_to : sequence of str
         Limits on such values: ``"n_loose == 1"``, ``"crack_length >= 58"``.
     settings : mapping
@@ -415,8 +417,13 @@ def _trial(
     for key, (_, sign, bound) in zip(keys, limits, strict=True):
         beyond = limited[key] - bound
         missed += {"<=": max(beyond, 0.0), ">=": max(-beyond, 0.0), "==": abs(beyond)}[sign]
-    figure, spread = float(figures[sought]), figures.get(half_width_of(sought))
+    figure, spread = _size(sought, float(figures[sought])), figures.get(half_width_of(sought))
     return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
+
+
+def _size(name: str, value: float) -> float:
+    """Return what is sought of a value: a least peak is one near zero, not the most negative."""
+    return abs(value) if PEAK in name else value
 
 
 def _in_common(trials: Sequence[Trial], figure: str) -> tuple[Trial, ...]:
@@ -429,6 +436,6 @@ def _in_common(trials: Sequence[Trial], figure: str) -> tuple[Trial, ...]:
     if any(NOT_COMMON in one.figures or figure not in one.figures for one in found.values()):
         return ()
     return tuple(
-        replace(one, figure=mean, half_width=spread)
+        replace(one, figure=_size(figure, mean), half_width=spread)
         for one, (mean, spread) in zip(trials, means, strict=True)
     )
