@@ -190,14 +190,13 @@ class Optimum:
         if start.figure is None or best.figure is None:
             yield f"{name}: {start.reason or best.reason}"
             return
-        notes = []
-        if start.figure and best.figure * start.figure >= 0.0:  # a change of sign has no ratio
-            change = 100.0 * (best.figure - start.figure) / abs(start.figure)
-            notes.append(f"{change:+.1f} %")
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
         given, found = self._said(start), self._said(best)
         alike = best.folder != start.folder and self._alike(start, best)
-        notes += ["less than the ± of both"] if alike else []
+        notes = ["less than the ± of both"] * alike
+        if start.figure and best.figure * start.figure >= 0.0:  # a change of sign has no ratio
+            change = 100.0 * (best.figure - start.figure) / abs(start.figure)
+            notes = [f"{change:+.1f} %", *notes]
         less = f" ({', '.join(notes)})" if notes else ""
         yield f"{name}: {given} {who}, {found} at best{less}{beyond}"
         if best.values != start.values and (alike or self._rank(best) >= self._rank(start)):
@@ -340,8 +339,14 @@ def optimise(
                 study.tell(one, value, optuna.trial.TrialState.FAIL if value is None else None)
             trials += done
         kept = tuple(subject_to)
-        found = Optimum(wanted, sign, kept, tuple(trials), factors=tuple(factors))
-        found = replace(found, allow_doubts=allow_doubts)
+        found = Optimum(
+            wanted,
+            sign,
+            kept,
+            tuple(trials),
+            allow_doubts=allow_doubts,
+            factors=tuple(factors),
+        )
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
             found = replace(found, compared=_in_common([trials[0], found.best], wanted))
         if found.best and confirm != {}:
