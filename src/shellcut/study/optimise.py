@@ -339,14 +339,8 @@ def optimise(
                 study.tell(one, value, optuna.trial.TrialState.FAIL if value is None else None)
             trials += done
         kept = tuple(subject_to)
-        found = Optimum(
-            wanted,
-            sign,
-            kept,
-            tuple(trials),
-            allow_doubts=allow_doubts,
-            factors=tuple(factors),
-        )
+        found = Optimum(wanted, sign, kept, tuple(trials), factors=tuple(factors))
+        found = replace(found, allow_doubts=allow_doubts)
         if found.best and found.best.half_width is not None and not found.state(trials[0]):
             found = replace(found, compared=_in_common([trials[0], found.best], wanted))
         if found.best and confirm != {}:
