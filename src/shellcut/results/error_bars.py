@@ -150,8 +150,11 @@ class ErrorBars:
 
     def said(self) -> list[str]:
         """Return how each value converges and how its bar shrinks, and why a part is missing."""
-        lacking = {p: [b.name for b in self.bars if b.parts and p not in b.parts] for p in PARTS}
-        silent = {p: [f"no run has it for {', '.join(n)}"] for p, n in lacking.items() if n}
+        silent = {
+            part: [f"no run has it for {', '.join(names)}"]
+            for part in PARTS
+            if (names := [bar.name for bar in self.bars if bar.parts and part not in bar.parts])
+        }
         reasons = {**silent, **self.missing}.items()
         why = (f"{WORDS.get(part, part)}: {'; '.join(several)}" for part, several in reasons)
         return [*(self._said_of(bar) for bar in self.bars), *why]

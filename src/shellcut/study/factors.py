@@ -87,11 +87,9 @@ class Factor:
         between, within, fewest = (", ", 0.0, 3) if self.ends is None else (":", part, 2)
         for key in self.keys:
             several = [self.settings(one)[key] for one in self.probes()]
-            sizes = [size for one in several if (size := _size(one)) is not None]
-            here = _size(values.get(key))
-            if here is None or len(sizes) < len(several) or len(set(sizes)) < fewest:
-                continue
-            if at_bound(here, min(sizes), max(sizes), within):
+            *sizes, here = (_size(one) for one in (*several, values.get(key)))
+            enough = math.isfinite(here + sum(sizes)) and len(set(sizes)) >= fewest
+            if enough and at_bound(here, min(sizes), max(sizes), within):
                 yield f"{key} = {values[key]} lies at a bound of {between.join(map(str, several))}"
 
 
@@ -198,12 +196,12 @@ def _numbers(key: str, first: str, last: str) -> tuple[float, float, str] | None
     return float(a[1]), float(b[1]), b[2]
 
 
-def _size(value: object) -> float | None:
-    """Return a number, or one with a unit in mm, N and s, to compare it; None of anything else."""
+def _size(value: object) -> float:
+    """Return a number, or one with a unit in mm, N and s, to compare it; nan of anything else."""
     if found := _NUMBER.fullmatch(str(value)):
         with suppress(ValueError):  # no unit, as of a file 3.stl
             return float(found[1]) * float(parsed(found[2])[0] if found[2] else 1)
-    return None
+    return float("nan")
 
 
 def _parts(text: str, between: str) -> list[str]:

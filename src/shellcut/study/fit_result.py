@@ -89,9 +89,8 @@ class FitResult:
         """Return a small table and the notes."""
         lines = [f"{'key':<34}{'start':>12}{'fitted':>12}   95 % interval"]
         for k, one in enumerate(self.values):
-            between = f"{one.low:.4g} to {one.high:.4g}"
-            if one.low != one.low:
-                between = "unknown" if k < len(self.correlation) else "follows"
+            without = "unknown" if k < len(self.correlation) else "follows"
+            between = f"{one.low:.4g} to {one.high:.4g}" if one.low == one.low else without
             unit = f" {one.unit}" if one.unit else ""
             lines.append(f"{one.key:<34}{one.start:>12.5g}{one.value:>12.5g}   {between}{unit}")
         lines.append(
@@ -160,10 +159,9 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
         slopes[:, known], missed, [correlations(one) for one in comparisons]
     )
     spread = np.sqrt(np.diag(covariance))
+    t = scipy.special.stdtrit(np.fmax(nu, 1.0), 0.5 + 0.5 * _LEVEL)
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    t = scipy.special.stdtrit(np.fmax(nu, 1.0), 0.5 + 0.5 * _LEVEL)
-    with np.errstate(over="ignore"):
         factors = [*np.exp(t * spread).tolist(), float("nan")]
     values = runs.parameters.values(best.tolist())
     fitted = []
@@ -186,6 +184,7 @@ def result_of(runs: FitRuns, slopes: Floats, ended: str) -> FitResult:
     )
 
 
+@np.errstate(invalid="ignore")  # curves without any miss
 def covariance_of(slopes: Floats, missed: Floats, alike: Sequence[Floats]) -> tuple[Floats, Floats]:
     """Return C, infinite where the data say nothing, and nu of each parameter, nan without a miss.
 
@@ -203,9 +202,8 @@ def covariance_of(slopes: Floats, missed: Floats, alike: Sequence[Floats]) -> tu
     alone = 1e-12 * largest * np.eye(p)
     P = np.linalg.inv(information + alone)
     ends = np.cumsum([len(c) for c in alike])[:-1]
-    each = zip(alike, np.split(slopes, ends), np.split(missed, ends), strict=True)
     parts, per_nu = [], []
-    for c, J, r in each:
+    for c, J, r in zip(alike, np.split(slopes, ends), np.split(missed, ends), strict=True):
         S_J = scipy.linalg.matmul_toeplitz(c, J)
         B = J.T @ S_J
         A = P @ B
@@ -217,8 +215,7 @@ def covariance_of(slopes: Floats, missed: Floats, alike: Sequence[Floats]) -> tu
         parts.append(float(r @ r) / left * P @ (B + alone / len(alike)) @ P)
         per_nu.append(squares / left**2)
     C = np.sum(parts, axis=0)
-    with np.errstate(invalid="ignore"):  # of curves without any miss
-        shares = np.diagonal(parts, axis1=1, axis2=2) / np.diag(C)
+    shares = np.diagonal(parts, axis1=1, axis2=2) / np.diag(C)
     return C, 1.0 / (np.array(per_nu) @ shares**2)
 
 

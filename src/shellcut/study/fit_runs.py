@@ -261,10 +261,11 @@ class FitRuns:
         """
         here = self.residuals(logs)
         slopes = np.full((here.size, logs.size), np.nan)
-        ways = []
-        for x, low, high in zip(logs, *self.parameters.bounds(), strict=True):
-            several = [share * step for share in _NEIGHBOURS]
-            ways.append([away for away in several if low <= x + away <= high] or several)
+        all_ = [share * step for share in _NEIGHBOURS]
+        ways = [
+            [away for away in all_ if low <= x + away <= high] or all_
+            for x, low, high in zip(logs, *self.parameters.bounds(), strict=True)
+        ]
         for turn in range(len(_NEIGHBOURS)):
             open_ = [k for k, way in enumerate(ways) if turn < len(way) and np.isnan(slopes[0, k])]
             points = [logs + ways[k][turn] * np.eye(logs.size)[k] for k in open_]

@@ -191,14 +191,13 @@ class Optimum:
         if start.figure is None or best.figure is None:
             yield f"{name}: {start.reason or best.reason}"
             return
-        notes = []
-        if start.figure and best.figure * start.figure >= 0.0:  # a change of sign has no ratio
-            change = 100.0 * (best.figure - start.figure) / abs(start.figure)
-            notes.append(f"{change:+.1f} %")
         beyond = "" if best.missed == 0.0 else f", beyond the limits by {best.missed:.3g}"
         given, found = self._said(start), self._said(best)
         alike = best.folder != start.folder and self._alike(start, best)
-        notes += ["less than the ± of both"] if alike else []
+        notes = ["less than the ± of both"] * alike
+        if start.figure and best.figure * start.figure >= 0.0:  # a change of sign has no ratio
+            change = 100.0 * (best.figure - start.figure) / abs(start.figure)
+            notes = [f"{change:+.1f} %", *notes]
         less = f" ({', '.join(notes)})" if notes else ""
         yield f"{name}: {given} {who}, {found} at best{less}{beyond}"
         if best.values != start.values and (alike or self._rank(best) >= self._rank(start)):
