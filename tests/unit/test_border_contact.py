@@ -140,16 +140,17 @@ def test_what_counts_in_the_step_bounds_the_tangent_of_nodes_and_edges():
 
 
 def test_edges_add_nothing_to_the_step_where_their_nodes_count():
-    sim = one_quad(beside_the_edge(-0.02))
+    sim = one_quad(quad_with((-0.02, -0.4, 0.0), (-0.02, 0.6, 0.0), inward=(3.0, 0.0, 0.0)))
     evaluated(sim)
     nodes = sim.corners
     k = STEEPEST * float(sim.contact.law.of_nodes(sim.state.node.contact_area[0]))
     added = term(sim).stiffness(sim.state, {"contact": (nodes, np.full(4, k))})
     assert added[0].size == 0
-    # Where an end does not count, it has half of each of its two edges: all that a node has.
+    # Where an end does not count, it has half of each of its two edges: all that a node has. The
+    # edge at the far side is not near, and those that lead there are.
     added = term(sim).stiffness(sim.state, {"contact": (nodes[:1], np.full(1, k))})
     near = dict(zip(*(rows.tolist() for rows in added), strict=True))
-    assert near == pytest.approx({int(nodes[1]): 0.5 * k, int(nodes[3]): 0.5 * k})
+    assert near == pytest.approx(dict(zip(nodes[1:].tolist(), (k, 0.5 * k, 0.5 * k), strict=True)))
 
 
 PATHS = {
