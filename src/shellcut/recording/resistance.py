@@ -30,13 +30,19 @@ Of a film that its supports move, motion, axis and line are those of the tool as
 
 The whole wrench is also given in world axes, with its moment about the world's origin.
 
-Of a film without a tool, the way s is that of the support that moves fastest: ds/dt is the largest
-speed of any supported node. The force is the work of all supports per mm of it,
+Of a film without a tool, the way s is that by which its supports part. ds/dt is the largest
+difference between the prescribed velocities v of two supported nodes, along axes that both
+support; nodes held at rest count with v = 0. The force is the power of all supports over it, as
+seen from a frame that moves with the middle w of the largest and the smallest v along each axis,
 
-    F = Σ R · v / (ds/dt),
+    F = (Σ R · (v - w) + Σ M · spin) / (ds/dt),
 
-with the reactions R and the prescribed velocities v. Where two legs are pulled apart at the same
-speed it is the sum of the forces on both.
+with the reactions R and moments M. So neither depends on which grip of a machine moves, or on a
+velocity that is common to all: F is what a load cell reads over the travel of the crosshead, and
+the mean of both cells where inertia or loads make them differ. If two legs are pulled apart, it is
+the force on one of them. Turns are those in space. Where the film is tied to something else at
+rest, such as glue to its base, this counts as a support with v = 0, and w = 0 as its forces are not
+among R. So it is, too, if the supports never part.
 """
 
 from __future__ import annotations
@@ -49,7 +55,7 @@ import numpy as np
 from shellcut.arrays import Floats, product
 from shellcut.formats.errors import point_text
 from shellcut.loads.film_motion import FilmMotion
-from shellcut.loads.supports import Support
+from shellcut.results.energy_account import KINETIC_IN_FILM
 from shellcut.results.steady_window import INTEGRAL, WAY
 from shellcut.tool.coordinate import Coordinate
 from shellcut.tool.motion import Motion
@@ -173,52 +179,102 @@ class Resistance:
 
 
 class SupportPull:
-    """Path of the supports of a film without a tool, and the force that moves them.
+    """Way by which the supports of a film without a tool part, and the force that parts them.
 
     Its attributes are those of :class:`Resistance`; ValueError if no support moves.
     """
 
     def __init__(self, sim: Simulation, until: float) -> None:
-        supports: tuple[Support, ...] = sim.inputs["supports"]  # type: ignore[assignment]
-        rates = [list(one.velocity.values()) for one in supports if one.velocity]
-        if not rates:
+        moved = sim.supports.moved
+        if not moved:
             raise ValueError(
                 "a Recorder needs a simulation with a tool and its motion, or with a support that "
                 "moves"
             )
         self.coordinate_name, self.coordinate_unit = WAY, "mm"
         self.columns = [("force", "N")]
-        self.meaning = (
-            "sum of the forces on the supports that move, each times its speed over that of the "
-            "fastest"
-        )
+        # Nodes with the same motion count once: that of each axis, 0 for rest, -1 for no support.
+        held = sim.state.node.support[: sim.mesh.n_node, :3]
+        motion = np.where(held, 0, -1)
+        for k, (ids, c, _) in enumerate(moved, start=1):
+            motion[ids, c] = k
+        kinds, self._nodes = np.unique(motion, axis=0, return_index=True)
+        self._held = kinds >= 0
         self._time = np.linspace(0.0, until, _N_SAMPLE + 1)
         times = self._time.tolist()
-        fastest = [max(np.add.reduce([r(t) ** 2 for r in one]) for one in rates) for t in times]
-        speed = np.sqrt(np.array(fastest))
+        rates = np.zeros((len(moved) + 1, len(times)))
+        for k, (_, _, rate) in enumerate(moved, start=1):
+            rates[k] = [rate(time) for time in times]
+        # Shape (n_kind, 3, n_time).
+        velocity = np.where(self._held[..., None], rates[kinds], 0.0)
+        self._tied = bool(sim.inputs["terms"])
+        self._at_rest = self._tied or not self._parting(velocity, at_rest=False).any()
+        speed = self._parting(velocity, at_rest=self._at_rest)
+        self.meaning = (
+            "power of the supports over the speed of the fastest"
+            if self._at_rest
+            else "force that parts the supports: their power over the speed at which they part"
+        )
         mean = 0.5 * (speed[1:] + speed[:-1])
         self._way = np.concatenate([[0.0], np.cumsum(mean * np.diff(self._time))])
         self._last_speed = float(speed[-1])
 
+    def _parting(self, velocity: Floats, *, at_rest: bool) -> Floats:
+        """Return the largest difference of velocities (n_kind, 3, ...), of shape (...) [mm/s].
+
+        at_rest : whether something counts that is held at rest along all axes.
+        """
+        squared = np.zeros(velocity.shape[2:])
+        for i, (own, held) in enumerate(zip(velocity, self._held, strict=True)):
+            for other, also in zip(velocity[:i], self._held[:i], strict=True):
+                apart = (own - other)[held & also]
+                np.maximum(squared, np.add.reduce(apart * apart), out=squared)
+            if at_rest:
+                np.maximum(squared, np.add.reduce(own * own), out=squared)
+        return np.sqrt(squared)
+
+    def _common(self, velocity: Floats) -> Floats:
+        """Return the middle of the velocities (n_kind, 3) along each axis, shape (3,) [mm/s]."""
+        if self._at_rest:
+            return np.zeros(3)
+        low = np.where(self._held, velocity, np.inf).min(axis=0)
+        high = np.where(self._held, velocity, -np.inf).max(axis=0)
+        return np.where(self._held.any(axis=0), 0.5 * (low + high), 0.0)
+
     def coordinate(self, time: float) -> float:
-        """Return the path at a time [mm]."""
+        """Return the way at a time [mm]."""
         beyond = max(time - float(self._time[-1]), 0.0)  # the last step is not shortened
         return float(np.interp(time, self._time, self._way)) + beyond * self._last_speed
 
     def felt(self, sim: Simulation) -> list[float]:
-        """Return the force now [N], zero while nothing moves."""
+        """Return the force now [N], zero while nothing parts."""
         n = sim.state.node
-        rate = n.support_rate[: n.count]
-        moved = np.flatnonzero(rate.any(axis=1))
-        if not moved.size:
+        velocity = n.support_rate[self._nodes, :3]
+        speed = float(self._parting(velocity, at_rest=self._at_rest))
+        if speed == 0.0:
             return [0.0]
-        speed = np.linalg.norm(rate[moved, :3], axis=1).max()
-        power = float(np.einsum("ij,ij->", n.reaction[moved], rate[moved]))
-        return [power / float(speed) if speed > 0.0 else 0.0]
+        supported = np.flatnonzero(n.supported[: n.count])
+        rate = n.support_rate[supported]
+        rate[:, :3] -= self._common(velocity)
+        rate[~n.support[supported]] = 0.0
+        return [float(np.einsum("ij,ij->", n.reaction[supported], rate)) / speed]
 
     def row(self, sim: Simulation) -> Iterator[tuple[str, str, float]]:
         """Yield name, unit and value of its columns of the history."""
         yield "force", "N", self.felt(sim)[0]
+        if not self._tied:
+            yield KINETIC_IN_FILM, "N*mm", _about_its_mean(sim)
+
+
+def _about_its_mean(sim: Simulation) -> float:
+    """Return the kinetic energy as seen from the centre of mass [N·mm].
+
+    K - p²/(2 m), with momentum p and mass m: a velocity of all strains nothing.
+    """
+    n = sim.state.node
+    mass = n.mass[: n.count]
+    momentum = product(mass, n.velocity_half[: n.count])
+    return sim.ledger.kinetic - float(product(momentum, momentum)) / (2.0 * float(mass.sum()))
 
 
 AnyResistance: TypeAlias = Resistance | SupportPull
