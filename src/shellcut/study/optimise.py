@@ -430,11 +430,11 @@ def _in_common(trials: Sequence[Trial], figure: str) -> tuple[Trial, ...]:
     folders = [Path(one.folder) for one in trials]
     outcomes = {k: outcome_in(one) or Outcome("stopped") for k, one in enumerate(folders)}
     found = CommonWindow(folders.__getitem__)(outcomes)
-    names = figure, half_width_of(figure)
-    means = [[one.figures.get(name) for name in names] for one in found.values()]
     if any(NOT_COMMON in one.figures or figure not in one.figures for one in found.values()):
         return ()
+    means = [_size(figure, float(one.figures[figure])) for one in found.values()]
+    spreads = [one.figures.get(half_width_of(figure)) for one in found.values()]
     return tuple(
-        replace(one, figure=_size(figure, mean), half_width=spread)
-        for one, (mean, spread) in zip(trials, means, strict=True)
+        replace(one, figure=mean, half_width=spread)
+        for one, mean, spread in zip(trials, means, spreads, strict=True)
     )
