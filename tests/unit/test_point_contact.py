@@ -171,11 +171,6 @@ def test_points_of_a_ball_stand_for_it_however_fine_it_is(halvings, radius):
     assert lacks.max() < AS_AN_EDGE
 
 
-def test_a_ball_as_wide_as_many_quads_needs_no_points():
-    assert len(tool_points(ball(5.0, 5), 1.0).place)
-    assert not len(tool_points(ball(7.0, 5), 1.0).place)
-
-
 @pytest.mark.parametrize("n", [24, 48, 120])
 def test_a_cone_has_points_where_it_is_slender(n):
     place = tool_points(needle(3.0, 6.0, n), 0.5).place

@@ -1,13 +1,13 @@
 """Points of the tool that push the film between its nodes: corners, edges and rounds.
 
 The nodes of the film feel the faces of the tool. What protrudes from these between the nodes would
-pass through the film. So points of the tool push, where it protrudes by ``LEAST_TURN`` / 4 of the
-nodes' distance or more (:mod:`shellcut.tool.surface_bend`):
+pass through the film. So points of the tool push:
 
-- the convex corners of the surface, and points along convex edges that turn by more than
-  ``LEAST_TURN``, no farther apart than half an edge length of the film;
-- points between the facets of a round that bends as much over half an edge length, however little
-  it turns from facet to facet: wires, balls, rounded edges.
+- the convex corners of the surface, also those of a ball with wide facets;
+- points along convex edges that turn by more than ``LEAST_TURN``, no farther apart than half an
+  edge length of the film. Such an edge protrudes by ``LEAST_TURN`` / 4 of the nodes' distance;
+- points between the facets of a round that protrudes as much (:mod:`shellcut.tool.surface_bend`),
+  however little it turns from facet to facet: wires, balls, rounded edges.
 
 Where they are closer than 0.4 of an edge length some are left out; the sharper points stay. On a
 round none is left out that protrudes by as much between those that stay.
@@ -148,7 +148,7 @@ def _candidates(tool: Tool, tip: Bools, edge_length: float) -> _Candidates:
         unit(at_vertex[corner]),
         tooth_of[corner],
         np.where(tip[corner], at_end[corner], -1),
-        most[corner],
+        np.maximum(most[corner], largest),
         tip[corner],
         ~tip[corner] & (largest <= _ROUND),
     )
@@ -170,7 +170,7 @@ def _corners(
     """Return the vertices that push, and their largest turn of an edge.
 
     tip, on_cut : (n_vertex,), whether a tip of a cutting edge, or on one.  most : (n_vertex,),
-    largest turn or bend of the edges that push there [rad].
+    largest turn or bend of the edges that push there, 0 where none does [rad].
     """
     least, largest = np.full(tool.n_vertex, np.inf), np.full(tool.n_vertex, -np.inf)
     for ends in (surface.lo, surface.hi):
@@ -181,7 +181,7 @@ def _corners(
     around = np.zeros(tool.n_vertex)
     np.add.at(around, tool.triangles, angles(to_next, to_last))
     convex = (least > _CONCAVE - _HOLLOW * largest) & (2.0 * np.pi - around > _PEAKED)
-    pushes = np.flatnonzero((convex & ~on_cut & (most > LEAST_TURN)) | tip)
+    pushes = np.flatnonzero((convex & ~on_cut) | tip)
     return pushes, largest[pushes]
 
 
