@@ -95,9 +95,9 @@ def test_quick(quick):
     assert summary["torque_plateau_Nmm"] == pytest.approx(140.61, abs=0.1)
     # Of this sawtooth of 10 % over 9 spacings of the nodes: 1.4 N·mm.
     assert summary["torque_plateau_half_width_Nmm"] == pytest.approx(1.44, abs=0.1)
-    # From -1.8 to 2.4 N: it has no mean.
+    # It changes from 1.6 to -1.3 N on the way: it has no mean.
     assert "axial_force_plateau_N" not in summary
-    assert "the axial force drifts from" in summary["no_axial_force_plateau"]
+    assert summary["no_axial_force_plateau"].startswith("the axial force jumps at 42")
     assert summary["imbalance_rel"] < 3e-5
     assert summary["kinetic_rel"] < 0.009
     # What goes in between nodes is felt, to half the film's thickness or so: 0.017 mm.
