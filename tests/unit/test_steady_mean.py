@@ -93,7 +93,26 @@ def test_the_half_width_is_that_of_the_first_cosines():
     mean = mean_of(way, integral, 2.5)
     assert mean.value == pytest.approx(integral[-1], rel=1e-12)
     # Student's t of 5 degrees of freedom [Student 1908], 97.5 %: 2.571.
-    assert mean.half_width == pytest.approx(2.5706 * np.sqrt(np.mean(np.square(parts))), rel=1e-4)
+    scatter = 2.5706 * np.sqrt(np.mean(np.square(parts)))
+    # In a short window also 1/2.5 of the rise of the line of least squares.
+    rise = np.polyfit(way, force, 1)[0]
+    assert mean.half_width == pytest.approx(np.hypot(scatter, rise / 2.5), rel=1e-3)
+
+
+@pytest.mark.parametrize("pieces", [1.5, 2.0, 2.5])
+def test_in_a_short_window_the_end_of_the_start_is_in_the_half_width(pieces):
+    # A tenth of the force, with the memory Z, that the test does not see in most of them.
+    def start(way):
+        return 0.1 * (1.0 - np.exp(-way))
+
+    held, unseen = 0, 0
+    for way, integral in runs(pieces, saw=0.0, noise=0.02):
+        if change_in(way, integral + start(way), pieces) is None:
+            mean = mean_of(way, integral + start(way), pieces)
+            unseen += 1
+            held += abs(mean.value - 1.0) <= mean.half_width
+    # 69 to 74 %: the test leaves those that look steady. Without the rise 30 % or less.
+    assert held >= 0.66 * unseen
 
 
 def test_a_window_has_two_cosines_a_process_zone_three_to_eight_in_all():

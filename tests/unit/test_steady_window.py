@@ -8,7 +8,13 @@ import pytest
 from notched_strip import cutting
 from shellcut.models import Case
 from shellcut.results.run_results import read
-from shellcut.results.steady_window import steady_figures, steady_window
+from shellcut.results.steady_window import (
+    half_width_of,
+    no_mean_of,
+    steady_figures,
+    steady_window,
+    without_means,
+)
 from steady_cut import ARC, SPACING, edge, edge_columns
 
 ANGLE, PATH = ("angle", "deg"), ("path", "mm")
@@ -162,6 +168,38 @@ def test_a_force_that_drifts_has_none_either():
     found = steady_straight(lambda x: 3.0 + 0.0006 * x)
     assert found["force_plateau_N"] == pytest.approx(3.0 + 0.0006 * 30.2, abs=1e-4)
     assert 0.2 < found["force_plateau_half_width_N"] / (0.0006 * 50.8) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("axial", "work", "left_out", "words"),
+    [
+        (lambda x: -1.8 + 0.07 * x, lambda x: 3.1 + 0.0 * x, "axial_force_plateau_N", "drifts"),
+        (
+            lambda x: np.where(x < 30.0, 1.0, 1.6),
+            lambda x: 3.1 + 0.0 * x,
+            "axial_force_plateau_N",
+            "the axial force jumps at 30",
+        ),
+        (lambda x: 2.0 + 0.0 * x, lambda x: 2.0 + 0.03 * x, "dWcoh_ds_N", "cables' work per mm"),
+        (lambda x: 2.0 + 0.0 * x, lambda x: 3.1 + 0.0 * x, None, ""),
+    ],
+)
+def test_each_mean_is_of_what_is_steady(axial, work, left_out, words):
+    force = sum_of(LONG, lambda x: 3.2 + 0.0 * x)
+    columns = {"axial_force": axial(LONG), "axial_force_integral": sum_of(LONG, axial)}
+    columns |= {"force_integral": force, "tool_work": force, "cohesive_work": sum_of(LONG, work)}
+    h = history(LONG, STRAIGHT, PATH, strain=0.0 * LONG, **columns)
+    found = steady_figures(h, PATH, ("force", "N"))
+    for name, value in (("force_plateau_N", 3.2), ("axial_force_plateau_N", 2.0)):
+        if name != left_out:
+            assert found[name] == pytest.approx(value, rel=1e-9)
+    means = {"force_plateau_N", "axial_force_plateau_N", "dWcoh_ds_N", "dW_ds_N"} - {left_out}
+    assert {name for name in found if half_width_of(name) in found} == means
+    reasons = {name: said for name, said in found.items() if isinstance(said, str)}
+    assert list(reasons) == ([no_mean_of(left_out)] if left_out else [])
+    assert all(words in said for said in reasons.values())
+    # In the table of a study the means of its common window replace all of these.
+    assert not {name for name in without_means(found) if name in means or name in reasons}
 
 
 def test_the_end_of_the_start_is_left_out():

@@ -51,7 +51,7 @@ def _level(summary: Summary, name: str, asked: str) -> Iterator[tuple[str, str]]
     said = levels(summary, name)
     if not said:
         return
-    if why := summary.get("no_window"):
+    if why := summary.get("no_window", summary.get(f"no_{name}_plateau")):
         said.append(f"no mean: {why}")
     doubtful = any(one.startswith(name) for one in distrusted_figures(summary))
     yield asked, "; ".join(said) + (" (doubtful: it depends on the mesh)" if doubtful else "")

@@ -16,6 +16,11 @@ to Λ_j, too. A force whose memory is short over the length Z has a flat spectru
 Z and more, which are n = 2 L/Z cosines. No more than :data:`MOST` are taken, so that slow changes
 count. Below :data:`LEAST` there is no ±.
 
+*Short windows.* The end of a start, a exp(-s/Z), has the mean a (1 - exp(-L/Z)) Z/L and falls by
+a (1 - exp(-L/Z)) from end to end: the mean is off by Z/L of what f still rises or falls. Below 3 Z
+the test below hardly sees this. So Z/L of the rise of the fitted line is in the ±, as the root of
+the sum of squares. Slower starts look like a steady force, and are not in the ±.
+
 *Change.* A jump at the place r L gives Λ the direction sin(π j r)/j, a drift 1/j² for odd j.
 Without either all directions in n dimensions are equally likely. With w the largest cosine of
 an angle between Λ and ± these directions, the probability of such a w or a larger one is at most
@@ -46,6 +51,7 @@ LEAST, MOST = 3, 8
 """Cosines, of which each is as good as an independent piece of the window."""
 
 _LEVEL = 0.95
+_SHORT = 3.0  # pieces of a window in which most drifts are not seen
 _N_PLACE = 200  # at which a jump is looked for
 
 
@@ -91,8 +97,11 @@ def mean_of(way: Floats, integral: Floats, pieces: float) -> Mean:
     n = n_cosine(pieces)
     ends = float(way[-1] - way[0])
     t = float(scipy.special.stdtrit(n, 0.5 + 0.5 * _LEVEL))
-    scatter = float(np.sqrt(np.mean(_components(way, integral, n) ** 2)))
-    return Mean(float(integral[-1] - integral[0]) / ends, t * scatter)
+    half_width = t * float(np.sqrt(np.mean(_components(way, integral, n) ** 2)))
+    if pieces < _SHORT:
+        drift = _drift(way, integral)
+        half_width = float(np.hypot(half_width, (drift.after - drift.before) / pieces))
+    return Mean(float(integral[-1] - integral[0]) / ends, half_width)
 
 
 def change_in(way: Floats, integral: Floats, pieces: float) -> Change | None:

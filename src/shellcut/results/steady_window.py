@@ -17,9 +17,9 @@ third of its last length on, the first third being the way in which the film tak
 tears. Z is the length of crack when its first cable breaks.
 
 *Tested.* Where the cut could be steady, torque or force must be: :mod:`.steady_mean` tests it for a
-jump and a drift, and gives each mean its ±. Each edge must cut 1.5 Z in it, for a force has a
-memory of about Z, the length of the cables that the edge drags. A jump within the first Z is the
-end of the start: that length is left out, once.
+jump and a drift, then every other mean, and gives each its ±. Each edge must cut 1.5 Z in it, for a
+force has a memory of about Z, the length of the cables that the edge drags. A jump within the first
+Z is the end of the start: that length is left out, once.
 
 Means are of sums over every step: all rows but the last are written at steps at which cracks are
 looked for, and the mean of their torque is up to 0.3 % too large.
@@ -30,14 +30,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from shellcut.arrays import Bools, Floats, Ints
 
 from .energy_account import CABLES, driving_work, growth_shares
-from .steady_mean import LEAST, change_in, mean_of, n_cosine
+from .steady_mean import LEAST, Change, change_in, mean_of, n_cosine
 
 CUT_LENGTH, PROCESS_ZONE = "cut_length_edge_", "process_zone_edge_"
 UNCUT_AHEAD, TO_SPARE = "uncut_ahead_edge_", "to_spare_edge_"
@@ -49,6 +49,17 @@ step."""
 
 WAY = "way"
 """Name of the coordinate of a film that is torn without a tool."""
+
+_WORDS = {
+    "torque_plateau_Nmm": ("torque", "N*mm"),
+    "force_plateau_N": ("force", "N"),
+    "axial_force_plateau_N": ("axial force", "N"),
+    "dWcoh_dtheta_Nmm": ("cables' work per radian", "N*mm"),
+    "dWcoh_ds_N": ("cables' work per mm", "N"),
+    "dW_dtheta_Nmm": ("tool's work per radian", "N*mm"),
+    "dW_ds_N": ("work put in per mm", "N"),
+}
+"""Of each mean that there may be, what it is of, and its unit."""
 
 _RENEWED = 2.0  # cut length over Z
 _JUDGED = 4.0  # cut over which the film ahead is judged, over Z
@@ -102,6 +113,28 @@ def half_width_of(figure: str) -> str:
     return f"{name}_half_width_{unit}"
 
 
+def no_mean_of(figure: str) -> str:
+    """Return the name of the reason why there is no such mean, though there is a steady window.
+
+    Examples
+    --------
+    >>> no_mean_of("axial_force_plateau_N")
+    'no_axial_force_plateau'
+    """
+    return f"no_{figure.rpartition('_')[0]}"
+
+
+def without_means(figures: Mapping[str, Any]) -> dict[str, Any]:
+    """Return some values without the means among them, and without the reasons for their lack."""
+    means = {name for name in figures if half_width_of(name) in figures}
+    means |= {half_width_of(name) for name in means}
+    return {
+        name: value
+        for name, value in figures.items()
+        if name not in means and not (name.startswith("no_") and isinstance(value, str))
+    }
+
+
 def steady_figures(
     history: Mapping[str, Floats],
     coordinate: tuple[str, str],
@@ -113,7 +146,8 @@ def steady_figures(
     These are the window, the mean of the resistance (and of the axial force), the work of cables
     and of tool or supports per radian or millimetre, each with its half-width
     (:func:`half_width_of`), and what that work has become there; or ``no_window``, why there is
-    none. ``between`` as of :func:`steady_window`.
+    none. A mean of what jumps or drifts in the window is replaced by the reason
+    (:func:`no_mean_of`). ``between`` as of :func:`steady_window`.
     """
     window = steady_window(history, coordinate, between)
     if not window:
@@ -131,6 +165,12 @@ def steady_figures(
     way, figures = _way(history, coordinate)[rows], dict[str, float | str]()
     figures[f"window_from_{x_unit}"], figures[f"window_to_{x_unit}"] = window.low, window.high
     for figure, column in means.items():
+        # Each on its own: a torque may be steady while the axial force drifts.
+        if change := change_in(way, column[rows], window.pieces):
+            words, of = _WORDS[figure]
+            ends = window.low, window.high
+            figures[no_mean_of(figure)] = _said(change, words, of, coordinate, ends)
+            continue
         mean = mean_of(way, column[rows], window.pieces)
         figures[figure], figures[half_width_of(figure)] = mean.value, mean.half_width
     return figures | growth_shares(history, window.first, window.last)
@@ -192,11 +232,17 @@ def _tested(
     if from_start and change.at is not None and later < last and change.at <= way[later]:
         with suppress(_NoWindow):
             return _tested(history, coordinate, cuts, later, last, from_start=False)
-    turns, ends = unit == "deg", (float(x[first]), float(x[last]))
-    if turns and change.at is not None:
+    name, of = ("torque", "N*mm") if unit == "deg" else ("force", "N")
+    raise _NoWindow(_said(change, name, of, coordinate, (float(x[first]), float(x[last]))))
+
+
+def _said(
+    change: Change, name: str, of: str, coordinate: tuple[str, str], ends: tuple[float, float]
+) -> str:
+    """Return a change in words, its place being in rad or mm as of :func:`_way`."""
+    if coordinate[1] == "deg" and change.at is not None:
         change = replace(change, at=float(np.degrees(change.at)))
-    figure = ("torque", "N*mm") if turns else ("force", "N")
-    raise _NoWindow(change.text(*figure, ends, unit))
+    return change.text(name, of, ends, coordinate[1])
 
 
 def _way(history: Mapping[str, Floats], coordinate: tuple[str, str]) -> Floats:

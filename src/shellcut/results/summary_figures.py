@@ -25,7 +25,7 @@ from .energy_account import (
     growth_figure,
     relative_figures,
 )
-from .steady_window import half_width_of, steady_figures
+from .steady_window import half_width_of, no_mean_of, steady_figures
 from .verdict import distrusted_figures
 
 # The end of a name gives the unit; longer ones first.
@@ -142,6 +142,7 @@ def key_figures(
     """
     if names is None:
         elsewhere = _ELSEWHERE | {half_width_of(key) for key in summary}
+        elsewhere |= {no_mean_of(key) for key in LABELS}
         names = [key for key in dict.fromkeys((*LABELS, *summary)) if key not in elsewhere]
     window, doubtful = window_of(summary), distrusted_figures(summary)
     return [

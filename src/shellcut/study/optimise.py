@@ -24,7 +24,7 @@ from shellcut.files.file_list import folder_named
 from shellcut.files.whole_file import write_text
 from shellcut.results.cut_quality import UNITS, cut_quality
 from shellcut.results.run_results import read
-from shellcut.results.steady_window import half_width_of
+from shellcut.results.steady_window import half_width_of, no_mean_of
 from shellcut.results.summary_figures import (
     PEAK,
     figure_name,
@@ -410,6 +410,8 @@ def _trial(
         sought, *keys = (figure_name(name, figures) for name in names)
     except ValueError as problem:
         why = f"; no steady window: {figures['no_window']}" if "no_window" in figures else ""
+        lacks = (figures.get(no_mean_of(name)) for name in names)
+        why += "".join(f"; {one}" for one in lacks if one)
         return Trial(run.values, folder, reason=f"{problem}{why}")
     limited = {key: float(figures[key]) for key in keys}
     missed = 0.0
@@ -420,7 +422,7 @@ def _trial(
     return Trial(run.values, folder, figure, missed, "", limited, outcome.doubts, spread)
 
 
-def _size(name: str, value: float) -> float:
+def _size(name: str, value: Any) -> Any:
     """Return what is sought of a value: a least peak is one near zero, not the most negative."""
     return abs(value) if PEAK in name else value
 

@@ -12,7 +12,13 @@ from typing import Any
 
 from shellcut.files.whole_file import write_text
 from shellcut.results.run_results import history_in
-from shellcut.results.steady_window import Range, SteadyWindow, steady_figures
+from shellcut.results.steady_window import (
+    Range,
+    SteadyWindow,
+    no_mean_of,
+    steady_figures,
+    without_means,
+)
 from shellcut.results.summary_figures import LABELS
 
 from .one_run import Outcome
@@ -57,7 +63,8 @@ class CommonWindow:
             found, why = self._means(list(own), between, unit)
             said = {NOT_COMMON: f"each run has its mean over its own window: {why}"}
             for number in own:
-                figures = {**outcomes[number].figures, **found.get(number, said)}
+                before = outcomes[number].figures
+                figures = without_means(before) | found[number] if found else {**before, **said}
                 common[number] = replace(outcomes[number], figures=figures)
         return common
 
@@ -124,6 +131,8 @@ def _row(
         reasons.insert(0, outcome.reason)
     if lacks_mean := outcome.figures.get("no_window"):
         reasons.append(f"no steady window: {lacks_mean}")
+    lacks = (no_mean_of(name) for name in figures)
+    reasons += [f"no mean: {outcome.figures[one]}" for one in lacks if one in outcome.figures]
     if own_mean := outcome.figures.get(NOT_COMMON):
         reasons.append(own_mean)
     return [run.number, *inputs, outcome.status, *given, run.key, "; ".join(reasons)]
