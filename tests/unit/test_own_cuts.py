@@ -37,7 +37,7 @@ def test_a_blade_minds_its_own_flanks_and_those_of_notches():
         law=sc.CohesiveLaw(),
     )
     s = sim.state
-    own = OwnCuts(s, sim.tool, LENGTH, sim.shell.mesh_quads)
+    own = OwnCuts(s, sim.tool, LENGTH, sim.cracks.growth.path.film, sim.shell.mesh_quads)
     at_notch = s.node.halved[s.quads].any(axis=1)
     assert at_notch.any()
     first, second = (int(np.flatnonzero(sim.tool.edge_chain == k)[0]) for k in (0, 1))

@@ -16,7 +16,7 @@ from shellcut.fracture.entered_film import EnteredFilm, parts_quad
 from shellcut.fracture.quad_polygon import WHOLE
 from shellcut.fracture.ray_ahead import Aimed
 from shellcut.fracture.rows_ahead import table_of
-from shellcut.fracture.tip import DrivenTips, Tip
+from shellcut.fracture.tip import Tip
 from shellcut.fracture.tip_watch import TipWatch
 from shellcut.fracture.trial_cut import TrialCut, TrialSums
 from shellcut.mesh.structured import rectangle
@@ -292,11 +292,10 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
     sim, rng, found = cut_strip(), np.random.default_rng(2), 0
     s, n, path = sim.state, sim.state.node, Rules(sim).path
     edges = CuttingEdges.of(sim.tool)
-    none = DrivenTips(np.zeros((0, 3)), np.zeros(0, np.int64))
 
     def fresh():
-        chain, blade = sim.tool.edge_chain, np.arange(sim.tool.n_chain)
-        return EnteredFilm(s, path.film, sim.shell, edges, chain, blade, everywhere=True)
+        chain = sim.tool.edge_chain
+        return EnteredFilm(s, path.film, sim.shell, edges, chain, everywhere=True)
 
     kept = fresh()
     dt = 2.6e-4 / 450
@@ -306,9 +305,9 @@ def test_list_of_near_rows_never_changes_what_is_pierced():
         n.x[: n.count] += n.velocity_half[: n.count] * dt
         s.step, s.time = step, step * dt
         pose = Pose.of(*sim.motion.pose(s.time))
-        rows = kept.entered_rows(s, pose, none)
+        rows = kept.entered_rows(s, pose)
         if step % 5 == 0:
-            again = fresh().entered_rows(s, pose, none)
+            again = fresh().entered_rows(s, pose)
             assert rows == again
             found += len(rows)
             a, b = pose.to_space(sim.tool.vertices[sim.tool.edges[0]])

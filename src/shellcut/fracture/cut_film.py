@@ -17,9 +17,10 @@ from shellcut.arrays import Floats, Ints, Vec3, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.small_matrices import least_squares
-from shellcut.state import State
+from shellcut.state import OncePerTopology, State
 
 from .cut_topology import CutTopology
+from .film_around import film_around
 from .quad_polygon import (
     AWAY,
     CORNERS,
@@ -72,6 +73,7 @@ class CutFilm:
         self.topology, self._shell, self.sides_only = topology, shell, sides_only
         # It depends on the mesh alone, and rows are searched anew after every cut.
         self._parts_of = lru_cache(maxsize=1024)(self._heading_in)
+        self._around = OncePerTopology[dict[tuple[int, float], Ints]](lambda _: {})
 
     def ring(self, row: int) -> list[int]:
         """Return the nodes of the mesh at the corners of a row."""
@@ -81,6 +83,18 @@ class CutFilm:
     def size(self, row: int) -> float:
         """Return the local edge length, sqrt(quad area) [mm]."""
         return float(np.sqrt(self._shell.area[row]))
+
+    def around(self, state: State, row: int, reach: float) -> Ints:
+        """Return the rows with film within a reach [mm] of a place of a row, connected with it.
+
+        Their middles and the place are within an edge length of those of the rows.
+        """
+        known, film = self._around.of(state), self._shell.reference
+        if (row, reach) not in known:
+            nodes, radius = film.quads[row], reach + 2.0 * self.size(row)
+            place, T = film.x[nodes].mean(axis=0), film.t[nodes].sum(axis=0)
+            known[row, reach] = film_around(state, self._shell, place, T, radius, [row])
+        return known[row, reach]
 
     def rows_ahead(self, tip: Tip) -> list[tuple[int, Point]]:
         """Return the rows into which a crack may run from its tip, and the tip's place in each.

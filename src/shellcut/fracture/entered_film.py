@@ -23,7 +23,7 @@ from shellcut.numerics.boxes import in_box
 from shellcut.numerics.jit import BoundOnce, inline, kernel
 from shellcut.numerics.kept import Kept
 from shellcut.numerics.table_address import TableWriter
-from shellcut.numerics.vec3 import add, cross, dot, load, scale, sub
+from shellcut.numerics.vec3 import add, cross, load, scale
 from shellcut.numerics.vec3 import norm as length
 from shellcut.state import State
 from shellcut.tool.cutting_edge import NORMAL, START, VECTOR, CuttingEdges, segment_part
@@ -34,11 +34,7 @@ from .open_edges import boundary_edges
 from .quad_polygon import AWAY
 from .ray_ahead import AT_POINT, KIND, PLACE, Aimed, at, through
 from .rows_ahead import RowsAhead, table_of
-from .tip import Begun, DrivenTips, Segment
-
-NEAR_A_TIP = 2.0
-"""A quad is left alone that is nearer to a tip than this, in local edge lengths: the edge drives
-it."""
+from .tip import Begun, Segment
 
 # Sine of the angle to the film up to which an edge lies on it, and enters over no border.
 _FLAT = 0.1
@@ -47,7 +43,7 @@ _FLAT = 0.1
 _WITHIN = 1.0 - 4.0 * AWAY
 
 # Rows that are tested, for each tooth.
-_CANDIDATES = 4
+_CANDIDATES = 16
 
 
 class EnteredFilm(Kept):
@@ -65,8 +61,6 @@ class EnteredFilm(Kept):
         Of the tool.
     chain : ndarray, shape (n_edge,)
         Which edge each segment belongs to.
-    blade : ndarray, shape (n_chain,)
-        Which blade each edge belongs to, see :mod:`.own_cuts`.
     everywhere : bool
         Whether no point of the tool presses on the film, whose face then gives no support.
     """
@@ -80,12 +74,10 @@ class EnteredFilm(Kept):
         shell: MITC4Shell,
         edges: CuttingEdges,
         chain: Ints,
-        blade: Ints,
         *,
         everywhere: bool,
     ) -> None:
         self._area, self._chain, self._everywhere = shell.area, chain, everywhere
-        self._blade = blade
         # From the first node of a row to the others, twice as far where the film is stretched.
         corners = state.node.X[state.quads]
         reach = 2.0 * float(norm(corners[:, 1:] - corners[:, :1]).max())
@@ -106,11 +98,8 @@ class EnteredFilm(Kept):
         self._addresses = TableWriter()(edges), TableWriter()(quad), TableWriter()(Aimed.of(2))
         self._find = BoundOnce(_entered)
 
-    def entered_rows(self, state: State, pose: Pose, tips: DrivenTips) -> list[Begun]:
-        """Return where edges enter whole rows that their mid-planes would part.
-
-        tips : where the cracks end that an edge drives.
-        """
+    def entered_rows(self, state: State, pose: Pose) -> list[Begun]:
+        """Return where edges enter whole rows that their mid-planes would part."""
         self._near.renew(state, pose)
         if self._listed != self._near.n_search:
             self._listed = self._near.n_search
@@ -125,12 +114,9 @@ class EnteredFilm(Kept):
             self._rows,
             self._first,
             self._area,
-            tips.x,
-            self._blade[self._chain[tips.edge]],
             pose,
             edges,
             self._chain,
-            self._blade,
             self._low,
             self._high,
             quad,
@@ -236,12 +222,9 @@ def _entered(
     whole: Ints,
     first: Ints,
     area: Floats,
-    tips: Floats,
-    of_tip: Ints,
     pose: Pose,
     edges: CuttingEdges,
     chain: Ints,
-    blade: Ints,
     low: Floats,
     high: Floats,
     quad: RowsAhead,
@@ -252,9 +235,8 @@ def _entered(
 ) -> int:
     """Write the rows that edges enter, their segments and the places in them; return how many.
 
-    whole, first : (n,), rows and their first nodes.  of_tip : (n_tip,), blade that drives each tip.
-    chain : (n_edge,), of each segment.  blade : (n_chain,), of each chain.  low, high :
-    (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
+    whole, first : (n,), rows and their first nodes.  chain : (n_edge,), of each segment.  low,
+    high : (n_chain, 3), boxes around the chains.  quad, chord : tables of one row and two rays,
     written.  row, segment : (n_most,).  place : (n_most, 2), xi and eta.
     """
     pose, edges = borrowed(pose), borrowed(edges)
@@ -262,17 +244,10 @@ def _entered(
     segments = edges.segments
     n_found = 0
     for i in range(whole.shape[0]):
-        e, here = whole[i], load(x, first[i])
-        corner = to_body(here, pose)
+        e = whole[i]
+        corner = to_body(load(x, first[i]), pose)
         for c in range(low.shape[0]):
             if not in_box(corner, low, high, c):
-                continue
-            far = True
-            for tip in range(tips.shape[0]):
-                gap = sub(load(tips, tip), here)
-                own = of_tip[tip] == blade[c]
-                far = far and not (own and dot(gap, gap) <= NEAR_A_TIP**2 * area[e])
-            if not far:
                 continue
             second = to_body(load(x, quads[e, 1]), pose)
             third = to_body(load(x, quads[e, 2]), pose)

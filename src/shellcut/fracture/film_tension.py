@@ -19,9 +19,11 @@ import math
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, product, unit
+from shellcut.arrays import Floats, norm, product, unit
 from shellcut.mitc4.shell import MITC4Shell
 from shellcut.state import State
+
+from .film_around import with_neighbours
 
 # Part of a turn that one quad of a closed ring may take. Beside a gap of more than a quarter of a
 # turn it takes more, and part of the tip's own tension would count as that of the film.
@@ -49,9 +51,9 @@ def tension_around(
     distance : float
         From the tip to the centres of the quads in the ring, at least [mm].
     """
-    n, inner = state.node, _with_neighbours(state, _with_neighbours(state, np.array([row])))
+    n, inner = state.node, with_neighbours(state, with_neighbours(state, np.array([row])))
     while True:
-        every = _with_neighbours(state, inner)
+        every = with_neighbours(state, inner)
         ring, inner = np.setdiff1d(every, inner), every
         ring = ring[n.real[state.quads[ring]].all(axis=1)]  # stresses in cut quads are not smooth
         if not ring.size:
@@ -82,10 +84,3 @@ def _shares_of_turn(out: Floats, normal: Floats) -> Floats:
     share = np.empty(len(out))
     share[order] = 0.5 * (gaps + np.roll(gaps, 1))
     return share
-
-
-def _with_neighbours(state: State, rows: Ints) -> Ints:
-    """Return some rows and those that share a node with them."""
-    n, nodes = state.node, np.unique(state.quads[rows])
-    at = np.arange(n.quads.shape[1]) < n.n_quad_at[nodes, None]
-    return np.unique(n.quads[nodes][at])

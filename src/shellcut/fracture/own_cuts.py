@@ -19,6 +19,13 @@ from shellcut.numerics.connected_parts import connected_parts
 from shellcut.state import State
 from shellcut.tool.tool import Tool
 
+from .cut_film import CutFilm
+from .tip import DrivenTips
+
+NEAR_A_TIP = 2.0
+"""A place is left alone that is nearer to a tip of its own blade than this, in local edge lengths:
+the edge drives that tip."""
+
 _NOBODY = -1
 
 
@@ -33,16 +40,20 @@ class OwnCuts:
         Whose edges cut.
     bending_length : float
         L of the film [mm].
+    film : CutFilm
+        How it is cut.
     mesh_quads : ndarray, shape (n_quad, 4)
         Of the film.
     """
 
-    def __init__(self, state: State, tool: Tool, bending_length: float, mesh_quads: Ints) -> None:
+    def __init__(
+        self, state: State, tool: Tool, bending_length: float, film: CutFilm, mesh_quads: Ints
+    ) -> None:
         self.of_chain = blades(tool, bending_length)
         """Blade of each cutting edge, shape (n_chain,)."""
         self.of_segment = self.of_chain[tool.edge_chain]
         """Blade of each segment of them, shape (n_edge,)."""
-        self._mesh_quads = mesh_quads
+        self._film, self._mesh_quads = film, mesh_quads
         self._n_known = 0
         # Of the quads that each blade, or no blade, has cut.
         notched = state.node.origin[state.node.halved].tolist()
@@ -60,6 +71,21 @@ class OwnCuts:
         self._follow(state)
         own = self._corners.get(int(self.of_segment[segment]), set())
         return not (own.isdisjoint(halved) and self._corners[_NOBODY].isdisjoint(halved))
+
+    def at_own_tip(
+        self, state: State, row: int, place: Floats, segment: int, tips: DrivenTips
+    ) -> bool:
+        """Return whether a place of a row is near a tip that its own blade drives.
+
+        In space, and in the film: a tip in another layer leaves it alone.
+
+        place : (3,) [mm].  segment : of the blade.  tips : all that edges drive.
+        """
+        own = self.of_segment[tips.edge] == self.of_segment[segment]
+        reach = NEAR_A_TIP * self._film.size(row)
+        near = np.flatnonzero(own & (norm(tips.x - place) < reach)).tolist()
+        at_tips = [at for i in near for at, _ in self._film.rows_at_tip(tips.tips[i])]
+        return bool(at_tips) and bool(np.isin(at_tips, self._film.around(state, row, reach)).any())
 
     def _follow(self, state: State) -> None:
         """Note the corners of the quads that have been cut since the last call."""

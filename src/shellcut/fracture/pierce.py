@@ -68,10 +68,10 @@ class Pierce(Kept):
     ) -> None:
         self._growth, self._chain = growth, tool.edge_chain
         film, edges = growth.path.film, drive.edges
-        self._own = own = OwnCuts(state, tool, limits.puncture.length, shell.mesh_quads)
+        self._own = own = OwnCuts(state, tool, limits.puncture.length, film, shell.mesh_quads)
         self._chords = BladeChords(growth.path, drive)
         self._entered = EnteredFilm(
-            state, film, shell, edges, tool.edge_chain, own.of_chain, everywhere=points is None
+            state, film, shell, edges, tool.edge_chain, everywhere=points is None
         )
         self._pressed: PressedFilm | None = None
         if points is not None:
@@ -91,7 +91,11 @@ class Pierce(Kept):
         work : float
             Of the tool so far [N·mm].
         """
-        every = self._entered.entered_rows(state, pose, driven)
+        every = []
+        for begun in self._entered.entered_rows(state, pose):
+            at = self._growth.path.film.place_in(state, begun.row, begun.place).x
+            if not self._own.at_own_tip(state, begun.row, at, begun.segment, driven):
+                every.append(begun)
         if self._pressed is not None:
             entered = self._pressed.not_on_face(state, pose, every)
             every = [*self._pressed.pierced_rows(state, pose, driven), *entered]

@@ -5,10 +5,11 @@ under a tip, or the lowest place of an arc, once all that presses it there carri
 (:mod:`.puncture`) for longer than impacts last (:mod:`.pressing_tips`). Where the film is in
 tension (:mod:`.film_tension`), F_p is smaller. On a tip press points of the tool and nodes within
 the bending length L, and of an arc all its points within the width of the contact and an edge
-length, between which the mesh shares the force. Where the edge is straight, the film parts along it
-once the mean membrane stress across it reaches the strength in the quad under it. Of an arc so flat
-that its F_m exceeds F_s the one or the other; one that the contact is wider than is straight. The
-force on a tip does not depend on the mesh, which the stress under it does.
+length, between which the mesh shares the force; each on the film that it presses
+(:mod:`.film_around`): of two layers each carries F_p. Where the edge is straight, the film parts
+along it once the mean membrane stress across it reaches the strength in the quad under it. Of an
+arc so flat that its F_m exceeds F_s the one or the other; one that the contact is wider than is
+straight. The force on a tip does not depend on the mesh, which the stress under it does.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shellcut.arrays import Floats, norm, product, unit
+from shellcut.arrays import Floats, Ints, norm, product, unit
 from shellcut.contact.press_term import TOUCHING
 from shellcut.contact.sheet_contact import PointContact
 from shellcut.mitc4.shell import MITC4Shell
@@ -30,10 +31,9 @@ from shellcut.tool.pose import Pose
 from shellcut.tool.tool import Tool
 
 from .cut_film import CutFilm
-from .entered_film import NEAR_A_TIP
 from .film_tension import tension_around
 from .own_cuts import OwnCuts
-from .pressing_tips import PressingTips
+from .pressing_tips import Load, PressingTips
 from .puncture import PierceLimits, PlaceLimits
 from .tip import Begun, DrivenTips, Pierced
 
@@ -85,7 +85,9 @@ class PressedFilm(Kept):
         self._film, self._shell, self._edges, self._points = film, shell, edges, points
         self._chain, self._limits = tool.edge_chain, limits
         self._places: PlaceLimits = limits.at_points(points.points, tool)
-        self._means = PressingTips(points, motion, self._places.force, limits.puncture.impedance)
+        self._means = PressingTips(
+            points, motion, film, self._places.force, limits.puncture.impedance
+        )
 
     def flat_pressure(self) -> float:
         """Return the pressure up to which the film counts as flat at all tips [MPa].
@@ -102,9 +104,9 @@ class PressedFilm(Kept):
 
         tips : where the cracks end that an edge drives.
         """
-        points, places, loads = self._points, self._places, dict[int, float]()
+        points, loads = self._points, dict[int, Load]()
         if touches := points.touch.sums[TOUCHING] > 0.0:
-            loads = _loads_on_tips(points, places, self._limits.puncture.length, state, pose)
+            loads = self._loads_on_tips(state, pose)
         self._means.follow(state, pose, loads)
         if not touches:
             return []
@@ -114,34 +116,31 @@ class PressedFilm(Kept):
         found = []
         for i, edge in zip(pressing.tolist(), chain.tolist(), strict=True):
             of_edge = float(force[pressing[chain == edge]].sum())
-            begun = self._begun(state, pose, tips, i, of_edge, loads.get(i, 0.0))
+            begun = self._begun(state, pose, tips, i, of_edge, loads.get(i))
             if begun is not None:
                 found.append(begun)
         return found
 
     def _begun(
-        self, state: State, pose: Pose, tips: DrivenTips, i: int, of_edge: float, on_tip: float
+        self, state: State, pose: Pose, tips: DrivenTips, i: int, of_edge: float, load: Load | None
     ) -> Begun | None:
         """Return where contact point i pierces whole film away from its tips, if it does.
 
-        of_edge : force on the whole edge [N].  on_tip : all that presses there, of a tip [N].
+        of_edge : force on the whole edge [N].  load : of a tip.
         """
         contact_points, k = self._points.carriers, int(self._points.point_of_sheet()[i])
         nodes, weights = contact_points.node[i], contact_points.weight[i]
-        there = state.node.quads[nodes[0], : state.node.n_quad_at[nodes[0]]]
-        rows = there[(state.quads[there] == nodes).all(axis=1)].tolist()
-        if not rows:  # it has been cut since it was pressed
+        row, segment = _row_of(state, nodes), int(self._points.points.segment[k])
+        if row < 0:
             return None
-        row, segment = rows[0], int(self._points.points.segment[k])
-        here, size = product(weights, state.node.x[nodes]), self._film.size(row)
-        own = tips.x[self._own.of_segment[tips.edge] == self._own.of_segment[segment]]
-        if (norm(own - here) < NEAR_A_TIP * size).any():
+        here = product(weights, state.node.x[nodes])
+        if self._own.at_own_tip(state, row, here, segment, tips):
             return None
         measure = delay = impact = 0.0
-        if self._places.force[k] < np.inf:
-            mean = self._means.mean(k)
-            measure, delay = mean / self._carried(state, row, here, k, mean), self._means.delay(k)
-            impact = on_tip - mean
+        if load is not None:
+            mean = self._means.mean(i)
+            measure, delay = mean / self._carried(state, row, here, i, mean), self._means.delay(i)
+            impact = load.force - mean
         if self._places.lies[k]:
             across = self._across(state, pose, row, segment) / self._limits.strength
             if across > measure:
@@ -170,7 +169,7 @@ class PressedFilm(Kept):
         if not begun:
             return []
         on, point = self._points.points, self._points.point_of_sheet()
-        is_tip = np.isfinite(self._places.force[point])
+        is_tip, tables = np.isfinite(self._places.force[point]), self._points.tables
         presses = self._points.carriers.pressure > 0.0
         tips = np.flatnonzero(is_tip & (presses | self._points.knows_side()))
         at, chain = pose.to_space(on.place[point[tips]]), self._chain[on.segment[point[tips]]]
@@ -178,20 +177,60 @@ class PressedFilm(Kept):
         clear = []
         for start in begun:
             gap = norm(at - self._film.place_in(state, start.row, start.place).x)
-            of_edge = chain == self._chain[start.segment]
-            if not (of_edge & (gap < near * self._film.size(start.row))).any():
+            of_edge, size = chain == self._chain[start.segment], self._film.size(start.row)
+            of_sheet = np.isin(tables.pairs.sheet_of_pair, tips[of_edge & (gap < near * size)])
+            rows = tables.pairs.row[of_sheet]  # known also of a tip that does not press
+            if not np.isin(rows, self._film.around(state, start.row, size)).any():
                 clear.append(start)
         return clear
 
-    def _carried(self, state: State, row: int, here: Floats, k: int, mean: float) -> float:
-        """Return the force that pierces a row under point k of the tool [N].
+    def _loads_on_tips(self, state: State, pose: Pose) -> dict[int, Load]:
+        """Return the load of each place of a tip or an arc, by its row of contact points.
+
+        All that presses its film there in the same direction: points of the tool and nodes within
+        the length L of the film, and points of its own arc within the width of the contact and an
+        edge length.
+        """
+        points, limits, length = self._points, self._places, self._limits.puncture.length
+        on, at_nodes, of = points.carriers, points.nodes.carriers, points.points
+        sheets = np.flatnonzero(on.pressure > 0.0)
+        point = points.point_of_sheet()[sheets]
+        is_tip = np.isfinite(limits.force[point])
+        if not is_tip.any():
+            return {}
+        pressed = np.flatnonzero(at_nodes.pressure > 0.0)
+        node = at_nodes.node[pressed, 0]
+        place = np.concatenate([of.place[point], pose.to_body(state.node.x[node])])
+        normal = np.concatenate([on.normal[sheets], at_nodes.normal[pressed]])
+        arc = np.concatenate([of.arc[point], np.full(len(pressed), -1)])
+        force = np.concatenate([on.pressure[sheets], at_nodes.pressure[pressed]])
+        carried_by = np.concatenate([on.node[sheets], np.repeat(node[:, None], 4, axis=1)])
+        found = {}
+        for i in np.flatnonzero(is_tip).tolist():
+            sheet, k = int(sheets[i]), int(point[i])
+            row = _row_of(state, on.node[sheet])
+            if row < 0:
+                continue
+            area = state.node.contact_area[on.node[sheet]].mean()
+            wide = limits.width[k] + local_edge_length(float(area)) if of.radius[k] > 0.0 else 0.0
+            around = state.quads[self._film.around(state, row, max(length, float(wide)))]
+            gap = norm(place - place[i])
+            of_arc = (arc >= 0) & (arc == arc[i]) & (gap <= wide)
+            alike = product(normal, normal[i]) > _SAME_DIRECTION
+            alike &= np.isin(carried_by, around).all(axis=1)
+            found[sheet] = Load(row, float(force[alike & ((gap <= length) | of_arc)].sum()))
+        return found
+
+    def _carried(self, state: State, row: int, here: Floats, i: int, mean: float) -> float:
+        """Return the force that pierces a row under contact point i [N].
 
         here : place of the point, shape (3,) [mm].  mean : force on it [N]; one that pierces at no
         tension asks for none.
         """
-        force, limits = float(self._places.force[k]), self._limits
+        k, limits = int(self._points.point_of_sheet()[i]), self._limits
+        force = float(self._places.force[k])
         least_force = limits.puncture.force_left(force, 1.0, 0.0)
-        if limits.own is not None or mean < least_force or not self._means.is_due(k):
+        if limits.own is not None or mean < least_force or not self._means.is_due(i):
             return force
         ring = _RING * limits.puncture.length + float(self._places.width[k])
         most, least = tension_around(self._shell, state, row, here, ring)
@@ -207,33 +246,8 @@ class PressedFilm(Kept):
         return float(product(product(stress, across), across))
 
 
-def _loads_on_tips(
-    points: PointContact, limits: PlaceLimits, length: float, state: State, pose: Pose
-) -> dict[int, float]:
-    """Return the force on each place of a tip or an arc [N], by its row of contact points.
-
-    All that presses the film there in the same direction: points of the tool and nodes within the
-    length L of the film [mm], and points of its own arc within the width of the contact and an edge
-    length.
-    """
-    on, at_nodes, of = points.carriers, points.nodes.carriers, points.points
-    sheets, pressed = np.flatnonzero(on.pressure > 0.0), np.flatnonzero(at_nodes.pressure > 0.0)
-    point = points.point_of_sheet()[sheets]
-    is_tip = np.isfinite(limits.force[point])
-    if not is_tip.any():
-        return {}
-    node_places = pose.to_body(state.node.x[at_nodes.node[pressed, 0]])
-    place = np.concatenate([of.place[point], node_places])
-    normal = np.concatenate([on.normal[sheets], at_nodes.normal[pressed]])
-    arc = np.concatenate([of.arc[point], np.full(len(pressed), -1)])
-    force = np.concatenate([on.pressure[sheets], at_nodes.pressure[pressed]])
-    found = {}
-    for i in np.flatnonzero(is_tip).tolist():
-        sheet, k = int(sheets[i]), int(point[i])
-        area = state.node.contact_area[on.node[sheet]].mean()
-        wide = limits.width[k] + local_edge_length(float(area)) if of.radius[k] > 0.0 else 0.0
-        gap = norm(place - place[i])
-        of_arc = (arc >= 0) & (arc == arc[i]) & (gap <= wide)
-        alike = product(normal, normal[i]) > _SAME_DIRECTION
-        found[sheet] = float(force[alike & ((gap <= length) | of_arc)].sum())
-    return found
+def _row_of(state: State, nodes: Ints) -> int:
+    """Return the row with some corners, shape (4,); -1 if it has been cut since it was pressed."""
+    there = state.node.quads[nodes[0], : state.node.n_quad_at[nodes[0]]]
+    rows = there[(state.quads[there] == nodes).all(axis=1)].tolist()
+    return rows[0] if rows else -1

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,22 +35,35 @@ from shellcut.state import State
 from shellcut.tool.motion import Motion
 from shellcut.tool.pose import Pose
 
+from .cut_film import CutFilm
+
 IMPACT = 0.1
 """Share of F_p that the impact of a node may count as."""
 
 # Growth of the time for which a tip has pressed after which the tension around it is measured anew.
 _GROWTH = math.log(1.02)
 
-# Of a tip: mean force [N], largest T [s], time for which it has pressed [s]; and the largest mean
-# force so far [N].
-_FORCE, _DELAY, _PRESSED, _LARGEST = range(4)
+# Of a tip: mean force [N], largest T [s], and time for which it has pressed [s].
+_FORCE, _DELAY, _PRESSED = range(3)
 
 # Share of F_p below which a tip that has left the film is forgotten.
 _FORGOTTEN = 1e-3
 
 
+class Load(NamedTuple):
+    """What presses on a tip, or the lowest place of an arc."""
+
+    row: int
+    """Which it presses."""
+    force: float
+    """All that presses its film there [N]."""
+
+
 class PressingTips(Kept):
-    """Mean forces on the tips and arcs of the cutting edges.
+    """Mean forces on the tips and arcs of the cutting edges, on each film that they press.
+
+    A mean belongs to a point of the tool and the film around the row that it presses
+    (:mod:`.film_around`): on the next layer, or farther on the same, it begins at zero.
 
     Parameters
     ----------
@@ -57,69 +71,92 @@ class PressingTips(Kept):
         By which the tool presses on the film.
     motion : Motion
         Of the tool.
+    film : CutFilm
+        How it is cut.
     limits : ndarray, shape (n_of_tool,)
         F_p under each of its points [N].
     impedance : float
         Of the sheet under a point [N·s/mm].
     """
 
-    kept_names = "_of_point", "_step", "_passed"
+    kept_names = "_tip", "_row", "_mean", "_largest", "_step", "_passed"
 
     def __init__(
-        self, points: PointContact, motion: Motion, limits: Floats, impedance: float
+        self,
+        points: PointContact,
+        motion: Motion,
+        film: CutFilm,
+        limits: Floats,
+        impedance: float,
     ) -> None:
-        self._points, self._motion, self._limits = points, motion, limits
+        self._points, self._motion, self._film, self._limits = points, motion, film, limits
         self._impedance = impedance
-        self._of_point = np.zeros((len(limits), 4))
+        self._tip, self._row = np.zeros((2, 0), np.int64)
+        self._mean = np.zeros((0, 3))
+        self._of_contact: dict[int, int] = {}
+        self._largest = np.zeros(len(limits))
         self._step = 0
         self._passed = 0.0
 
-    def follow(self, state: State, pose: Pose, loads: Mapping[int, float]) -> None:
+    def follow(self, state: State, pose: Pose, loads: Mapping[int, Load]) -> None:
         """Take what presses on tips at the last evaluation, with the tool at the given pose.
 
         Costs nothing where no tip presses or has just pressed.
 
-        loads : by their rows among the contact points [N].
+        loads : by their rows among the contact points.
         """
         steps, self._step = state.step - self._step, state.step
-        of = self._of_point
-        if not loads and not of[:, :_LARGEST].any():
+        if not loads and not len(self._tip):
             return
-        rows, pressed = np.array(list(loads), int), np.array(list(loads.values()))
-        tips, force = self._points.point_of_sheet()[rows], np.zeros(len(of))
-        np.maximum.at(force, tips, pressed)
-        np.maximum.at(of[:, _DELAY], tips, self._delay(state, pose, rows))
-        pressing = (force > 0.0) | (of[:, _PRESSED] > 0.0)
-        dt = steps * state.dt
-        of[pressing, _FORCE] += (dt / (of[:, _DELAY] + dt) * (force - of[:, _FORCE]))[pressing]
-        of[pressing, _PRESSED] += dt
-        of[:, _LARGEST] = np.maximum(of[:, _LARGEST], of[:, _FORCE])
-        self._passed = dt
-        of[(force == 0.0) & (of[:, _FORCE] < _FORGOTTEN * self._limits), :_LARGEST] = 0.0
+        contacts = np.array(list(loads), int)
+        tips = self._points.point_of_sheet()[contacts].tolist()
+        at = [self._find(state, *to) for to in zip(tips, loads.values(), strict=True)]
+        force, of = np.zeros(len(self._tip)), self._mean
+        np.maximum.at(force, at, [load.force for load in loads.values()])
+        np.maximum.at(of[:, _DELAY], at, self._delay(state, pose, contacts))
+        self._passed = dt = steps * state.dt
+        of[:, _FORCE] += dt / (of[:, _DELAY] + dt) * (force - of[:, _FORCE])
+        of[:, _PRESSED] += dt
+        np.maximum.at(self._largest, self._tip, of[:, _FORCE])
+        stays = (force > 0.0) | (of[:, _FORCE] >= _FORGOTTEN * self._limits[self._tip])
+        self._tip, self._row, self._mean = self._tip[stays], self._row[stays], of[stays]
+        of_all = np.cumsum(stays) - 1
+        self._of_contact = dict(zip(loads, of_all[at].tolist(), strict=True))
 
-    def mean(self, point: int) -> float:
-        """Return the mean force on a point of the tool [N]."""
-        return float(self._of_point[point, _FORCE])
+    def mean(self, contact: int) -> float:
+        """Return the mean force at a contact point [N]."""
+        return float(self._mean[self._of_contact[contact], _FORCE])
 
     def largest(self) -> Floats:
         """Return the largest mean force on each point of the tool so far, over its F_p."""
-        return np.asarray(self._of_point[:, _LARGEST] / self._limits)
+        return np.asarray(self._largest / self._limits)
 
-    def is_due(self, point: int) -> bool:
+    def is_due(self, contact: int) -> bool:
         """Return whether the tension around a tip is to be measured, which takes long.
 
         It is at every check first, and once in 2 % of the time for which the tip has pressed later.
         """
-        pressed = float(self._of_point[point, _PRESSED])
+        pressed = float(self._mean[self._of_contact[contact], _PRESSED])
         before = pressed - self._passed
         if before <= 0.0:
             return True
         return math.log(pressed) // _GROWTH > math.log(before) // _GROWTH
 
-    def delay(self, point: int) -> float:
-        """Return T over the time for which a point of the tool has pressed."""
-        _, delay, pressed, _ = self._of_point[point].tolist()
+    def delay(self, contact: int) -> float:
+        """Return T over the time for which the tip at a contact point has pressed."""
+        _, delay, pressed = self._mean[self._of_contact[contact]].tolist()
         return float(delay / pressed) if pressed else 0.0
+
+    def _find(self, state: State, tip: int, load: Load) -> int:
+        """Return which mean is that of a tip on the film that it presses, a new one if none is."""
+        near = np.isin(self._row, self._film.around(state, load.row, 0.0))
+        found = np.flatnonzero((self._tip == tip) & near)
+        if not found.size:
+            self._tip, self._row = np.append(self._tip, tip), np.append(self._row, load.row)
+            self._mean = np.append(self._mean, np.zeros((1, 3)), axis=0)
+            return len(self._tip) - 1
+        self._row[found[0]] = load.row
+        return int(found[0])
 
     def _delay(self, state: State, pose: Pose, rows: Ints) -> Floats:
         """Return T at the present speed of some tips that press [s]."""

@@ -152,6 +152,7 @@ class DrivenTips(NamedTuple):
     """Where they are [mm], shape (n, 3)."""
     edge: Ints
     """Segment of the edge that drives each, shape (n,)."""
+    tips: list[Tip]
 
 
 class Pierced(NamedTuple):

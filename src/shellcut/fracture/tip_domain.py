@@ -1,7 +1,7 @@
 """The film that slides with the tip of a crack, and how far: the domain of the force on the tip.
 
-The domain is the connected film around the tip: quads and copies that share nodes, so that none
-lies beyond a flank. In it q is 1 around the tip and falls to 0 at what does not move along when
+The domain is the connected film around the tip (:mod:`.film_around`), so that none lies beyond a
+flank. In it q is 1 around the tip and falls to 0 at what does not move along when
 this tip advances: the film farther off, all of the film's border but the flanks of the crack
 itself, the tips of other cracks, and supported nodes. With d the distance from the tip, b that from
 the nearest of these, and r and R the radii within which all film moves along and beyond which all
@@ -23,11 +23,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm, off_segments, product
+from shellcut.arrays import Floats, Ints, norm, off_segments
 from shellcut.mitc4.shell import MITC4Shell
-from shellcut.numerics.connected_parts import connected_parts
 from shellcut.state import State
 
+from .film_around import film_around
 from .film_border import SAME, FilmBorder
 
 AROUND = 1.6
@@ -74,7 +74,7 @@ class TipDomain(NamedTuple):
             Where other cracks end in the reference film [mm].
         """
         whole, reach = radii
-        rows = _film_around(state, shell, place, np.cross(*base), AROUND * reach, ahead)
+        rows = film_around(state, shell, place, np.cross(*base), AROUND * reach, ahead)
         X = shell.reference.x[shell.reference.quads[rows]]
         own = np.zeros(len(film.row), np.bool_)
         for flanks, _, stop in film.path_back(place):
@@ -97,23 +97,6 @@ class TipDomain(NamedTuple):
         q = np.minimum(far, 2.0 * b / np.maximum(d + np.maximum(b, 0.0), SAME * reach))
         q[far == 0.0] = 0.0
         return cls(rows, q, float(_distance(place, still, reach)))
-
-
-def _film_around(
-    state: State, shell: MITC4Shell, place: Floats, T: Floats, radius: float, ahead: Sequence[int]
-) -> Ints:
-    """Return the rows within a radius of a place connected with some, shape (n,)."""
-    film = shell.reference
-    gap = np.linalg.norm(film.x[film.quads].mean(axis=1) - place, axis=1)
-    # The far wall of a tube is not around the tip.
-    near = (gap < radius) & (product(film.t[film.quads].sum(axis=1), T) > 0.0)
-    near[list(ahead)] = True
-    rows = np.flatnonzero(near)
-    nodes, at = np.unique(state.quads[rows], return_inverse=True)
-    # A row is linked with its nodes.
-    n = len(rows)
-    part = connected_parts(np.repeat(np.arange(n), 4), n + at.ravel(), n + len(nodes))[:n]
-    return rows[np.isin(part, part[np.isin(rows, ahead)])]
 
 
 def _distance(X: Floats, ends: Floats, most: float) -> Floats:

@@ -84,9 +84,10 @@ class TipWatch:
     def driven(self) -> DrivenTips:
         """Return the tips that an edge drives, at the last check."""
         if not len(self.x):
-            return DrivenTips(self.x, _NONE)
+            return DrivenTips(self.x, _NONE, [])
         edge_of = self._drive.driven.edge_of
-        return DrivenTips(self.x[edge_of >= 0], edge_of[edge_of >= 0])
+        driven = np.flatnonzero(edge_of >= 0)
+        return DrivenTips(self.x[driven], edge_of[driven], [self._tips[i] for i in driven.tolist()])
 
     def edge_of(self, i: int) -> int:
         """Return the segment of an edge that drove a tip at the last check, -1 if none."""
