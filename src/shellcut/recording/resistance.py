@@ -179,7 +179,7 @@ class Resistance:
 
 
 class SupportPull:
-    """Way by which the supports of a film without a tool part, and the force that parts them.
+    """Path by which the supports of a film without a tool part, and the force that parts them.
 
     Its attributes are those of :class:`Resistance`; ValueError if no support moves.
     """
@@ -242,7 +242,7 @@ class SupportPull:
         return np.where(self._held.any(axis=0), 0.5 * (low + high), 0.0)
 
     def coordinate(self, time: float) -> float:
-        """Return the way at a time [mm]."""
+        """Return that path at a time [mm]."""
         beyond = max(time - float(self._time[-1]), 0.0)  # the last step is not shortened
         return float(np.interp(time, self._time, self._way)) + beyond * self._last_speed
 

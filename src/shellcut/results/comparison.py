@@ -375,7 +375,6 @@ def _compared(
         mean_s, no_s = _steady_mean(s, steady, pieces, (f"simulated {y}", y_unit), x_unit)
         why_not = [*no_m, *no_s]
     pierced = _pierced_at(results, x, a, b)
-    pierced_m, pierced_s = (line.at(pierced).item() for line in (m, s))
     return Comparison(
         name=results.name,
         x_name=x,
@@ -407,8 +406,8 @@ def _compared(
         mean_simulated_half_width=mean_s.half_width,
         mean_error=_over(mean_s.value - mean_m.value, mean_m.value),
         pierced_at=pierced.item(),
-        pierced_measured=pierced_m,
-        pierced_simulated=pierced_s,
+        pierced_measured=m.at(pierced).item(),
+        pierced_simulated=s.at(pierced).item(),
         notes=(
             *notes,
             *_notes(m, s, points, (x, x_unit), peak_m * peak_s < 0.0),

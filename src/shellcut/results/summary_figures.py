@@ -56,7 +56,7 @@ LABELS = {
     "crack_length_mm": "crack length",
     "angle_end_deg": "angle at the end",
     "path_end_mm": "path at the end",
-    "way_end_mm": "way by which the supports have parted at the end",
+    "way_end_mm": "path by which the supports have parted at the end",
     **{f"{part.name}_Nmm": part.words for part in (*PUT_IN, *TAKEN_UP, IMBALANCE)},
     "cohesive_work_Nmm": "work of the cables",
     "cohesive_dissipated_Nmm": "dissipated by the cables",
