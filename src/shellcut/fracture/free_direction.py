@@ -218,7 +218,14 @@ class FreeDirection:
         forward = unit(tip.heading - product(tip.heading, T) * T)
         base = np.stack([forward, np.cross(T, forward)])
         place, size = self._film.at_tip(tip, state.node.X), self._size(tip)
-        others = [self._film.at_tip(other, state.node.X) for other in tips if other is not tip]
+        others = [
+            (
+                self._film.at_tip(other, state.node.X),
+                [row for row, _ in self._film.rows_at_tip(other)],
+            )
+            for other in tips
+            if other is not tip
+        ]
         domain = TipDomain.of(
             state,
             self._shell,
@@ -227,7 +234,7 @@ class FreeDirection:
             base,
             (zone * size, (zone + FALL) * size),
             [row for row, _ in rows],
-            np.array(others).reshape(-1, 3),
+            others,
         )
         known, force = gives_back(self._shell.material), None
         if known and domain.room > LEAST * size:

@@ -54,7 +54,7 @@ class TipDomain(NamedTuple):
         base: Floats,
         radii: tuple[float, float],
         ahead: Sequence[int],
-        tips: Floats,
+        tips: Sequence[tuple[Floats, Sequence[int]]],
     ) -> TipDomain:
         """Find the domain.
 
@@ -70,8 +70,9 @@ class TipDomain(NamedTuple):
             r and R [mm].
         ahead : sequence of int
             Rows at the tip.
-        tips : ndarray, shape (n_tip, 3)
-            Where other cracks end in the reference film [mm].
+        tips : sequence of (ndarray, sequence of int)
+            Where each other crack ends in the reference film [mm], shape (3,), and the rows there:
+            in film that is not connected a tip ends nothing.
         """
         whole, reach = radii
         rows = film_around(state, shell, place, np.cross(*base), AROUND * reach, ahead)
@@ -85,7 +86,8 @@ class TipDomain(NamedTuple):
         nodes = state.quads[rows]
         in_sheet = np.abs(base).max(axis=0) > SAME
         supported = (state.node.support[nodes, :3] & in_sheet).any(axis=2)
-        points = np.concatenate([tips, X[supported]])
+        ends = [at for at, beside in tips if np.isin(beside, rows).any()]
+        points = np.concatenate([np.reshape(ends, (-1, 3)), X[supported]])
         still = np.concatenate([film.ends[here], np.repeat(points[:, None], 2, axis=1)])
         d = np.linalg.norm(X - place, axis=2)
         b = np.full_like(d, reach)
