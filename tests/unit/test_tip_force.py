@@ -436,22 +436,3 @@ def test_the_stress_of_the_sheet_is_found_again(p, x):
     stress, length = ahead_of_a_crack(p, x)
     assert p < stress < 1.0
     assert sheet_stress(stress, length) == pytest.approx(p, abs=1e-6)
-
-
-@pytest.mark.parametrize("gap", [0.05, 0.3])
-def test_a_tip_in_another_layer_ends_no_domain(gap):
-    sheet, ways = rectangle(9.6, 8.0, n_x=12, n_y=10), []
-    n = len(sheet.nodes)
-    for heights in ([0.0], [0.0, gap]):
-        nodes = np.concatenate([sheet.nodes + np.array([0.0, 0.0, z]) for z in heights])
-        quads = np.concatenate([sheet.quads + k * n for k in range(len(heights))])
-        mesh = sc.Mesh.from_arrays(nodes, quads)
-        sim = sc.Simulation(mesh, sc.ShellMaterial.homogeneous(), law=sc.CohesiveLaw())
-        for z in heights:
-            sim.notch((-0.2, -1.7, z), (4.1, -0.2, z))
-        x = sim.state.node.x
-        x[:, 1] += 0.003 * x[:, 0] * x[:, 1]
-        cracks = sim.cracks
-        directions = cracks._direction.directions(sim.state, cracks.tips[0], cracks.tips)
-        ways.append(next(directions))
-    np.testing.assert_allclose(ways[1], ways[0], atol=1e-9)
