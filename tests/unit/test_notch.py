@@ -67,6 +67,25 @@ def test_each_sheet_of_a_stack_is_notched_where_the_line_lies_in_it(gap, ahead, 
         assert len(cut) == 4
 
 
+@pytest.mark.parametrize("gap", [0.01, 0.1, 0.2])
+@pytest.mark.parametrize("start", [(-0.43, 0.31), (0.7, -0.9), (1.13, 0.04)])
+@pytest.mark.parametrize("sheet", [0, 1, 2])
+def test_a_notch_within_a_stack_cuts_the_sheet_in_which_it_lies(gap, start, sheet):
+    """Whatever the quads of the others, whose middles may be nearer."""
+    sheets = [rectangle(6.0, 6.0, size=size) for size in (0.8, 1.0, 0.3)]
+    first = np.cumsum([0, *(one.n_node for one in sheets)])
+    nodes = [one.nodes + np.array([0.0, 0.0, k * gap]) for k, one in enumerate(sheets)]
+    quads = [one.quads + at for one, at in zip(sheets, first, strict=False)]
+    mesh = Mesh.from_arrays(np.concatenate(nodes), np.concatenate(quads))
+    sim = Simulation(
+        mesh, ShellMaterial.homogeneous(), law=CohesiveLaw(), fracture=Fracture(path="free")
+    )
+    begin = np.array([*start, sheet * gap])
+    sim.notch(begin, begin + np.array([1.1, 0.2, 0.0]))
+    heights = [split.reference[2] for split in sim.state.split_log]
+    np.testing.assert_allclose(heights, sheet * gap, rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize("height", [0.0, 0.003, 0.01])
 def test_a_line_beside_its_sheet_enters_at_the_border_not_behind_a_hole(height):
     """The film behind the hole has longer sides, and the line comes nearer to it."""

@@ -11,14 +11,11 @@ from shellcut.numerics.bilinear import shape_functions
 from shellcut.numerics.small_matrices import least_squares
 from shellcut.state import State
 
-from .quad_polygon import Point, shape_slopes
+from .quad_polygon import AWAY, Point, shape_slopes
 from .tip import Place
 
 _ON_SIDE = 1e-9
 """Of a segment's length: a notch that ends closer than this before a side or node ends there."""
-
-_NEAREST = 16
-"""Quads, by their middle, in which a point is searched."""
 
 _OFF = 0.25
 """Of an edge: a point that lies higher above the film is not in it."""
@@ -149,13 +146,19 @@ def row_at(state: State, point: Floats) -> tuple[int, Point] | None:
     point : (3,) [mm].
     """
     corners = state.node.X[state.quads]
-    near = np.argsort(norm(corners.mean(axis=1) - point), kind="stable")[:_NEAREST]
-    for row in near.tolist():
+    gap, size = norm(corners.mean(axis=1) - point), norm(corners[:, 2] - corners[:, 0])
+    near = np.flatnonzero(gap < np.maximum(size, norm(corners[:, 3] - corners[:, 1])))
+    found = []
+    for row in near[np.argsort(gap[near], kind="stable")].tolist():
         place, height = _place_in(corners[row], point)
-        size = float(norm(corners[row][2] - corners[row][0]))
-        if max(abs(place[0]), abs(place[1])) < _INSIDE and height < _OFF * size:
-            return row, place
-    return None
+        if max(abs(place[0]), abs(place[1])) < _INSIDE and height < _OFF * size[row]:
+            found.append((height, row, place))
+    if not found:
+        return None
+    # Of several sheets that in which it lies; of quads at one side the nearer.
+    least = min(height for height, *_ in found)
+    near_least = ((k, at) for height, k, at in found if height <= least + AWAY * size[k])
+    return next(near_least)
 
 
 def _place_in(corners: Floats, point: Floats) -> tuple[Point, float]:
