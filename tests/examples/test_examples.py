@@ -234,4 +234,4 @@ def test_glued_opening(run_example, tmp_path):
     said = run_example("glued_opening.py", "--angle", "30", picture="glued_opening.png")
     assert "strong: it holds: no part is damaged" in said
     assert re.search(r"weak: it holds, but [\d.]+ % of its area is damaged", said)
-    assert 0.0 < figures(tmp_path / "weak" / "summary.json")["seal_damaged_rel"] < 0.5
+    assert figures(tmp_path / "weak" / "summary.json")["seal_damaged_rel"] > 0.0

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from shellcut.arrays import Bools
+from shellcut.arrays import Bools, Floats
 from shellcut.cables.cohesive_law import CohesiveTable
 from shellcut.formats.errors import counted, named, point_text
 from shellcut.mesh.mesh import Mesh
@@ -33,8 +33,8 @@ NEAR_HELD = 0.5
 """Supported nodes closer than this to the path, in edge lengths, stop the blade."""
 ONE_LINE = 0.2
 """Paths that are closer than this in a quad, in edge lengths, are the same cut."""
-_LEFT = 8.0
-"""Ticks without a place of an edge in a quad after which it has left it: four sides of way."""
+_LEFT = 2.0
+"""Sides of a quad that an edge has moved on between two places in it, if it has left it between."""
 SHARE = 0.05
 """Share of the crossed quads, or of the path, above which a finding is reported."""
 RUNGS = 2.0
@@ -263,16 +263,30 @@ def _held(mesh: Mesh, support: Bools, sweep: Sweep) -> Iterator[Finding]:
         )
 
 
+def _travelled(sweep: Sweep) -> Floats:
+    """Return how far the middle of its edge has come in the film at each place, (n,) [mm]."""
+    way = np.zeros(len(sweep.time))
+    for chain in np.unique(sweep.chain).tolist():
+        mine = sweep.chain == chain
+        times, at = np.unique(sweep.time[mine], return_inverse=True)
+        middle = np.zeros((len(times), 3))
+        np.add.at(middle, at, sweep.place[mine])
+        middle /= np.bincount(at)[:, None]
+        steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
+        way[mine] = np.append(0.0, np.cumsum(steps))[at]
+    return way
+
+
 def _in_one_quad(sweep: Sweep) -> Iterator[Finding]:
     order = np.lexsort((sweep.time, sweep.chain, sweep.quad))
     of = np.stack([sweep.quad, sweep.chain])[:, order]
     begins = np.diff(of, axis=1, prepend=-1).any(axis=0)
     # An edge that has left a quad may come back to it.
-    begins |= np.diff(sweep.time[order], prepend=0.0) > _LEFT * sweep.tick
+    begins |= np.diff(_travelled(sweep)[order], prepend=0.0) > _LEFT * sweep.edge_length[order]
     starts = np.flatnonzero(begins)
     places = np.split(sweep.place[order], starts[1:])
     quad, chain = of[:, starts]
-    side = np.sqrt(sweep.mesh.quad_areas())[quad]
+    side = sweep.edge_length[order][starts]
     worst = 1.0
     for k in np.flatnonzero(quad[1:] == quad[:-1]).tolist():
         gap = float(scipy.spatial.distance.cdist(places[k], places[k + 1]).min())
