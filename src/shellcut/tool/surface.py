@@ -48,7 +48,6 @@ class Surface:
         end = triangles[:, (1, 2, 0)].ravel()
         key = np.minimum(start, end) * vertices.shape[0] + np.maximum(start, end)
         self.keys, row, self.uses = np.unique(key, return_inverse=True, return_counts=True)
-        self.row_of_side = row.reshape(-1, 3)  # the side k runs from corner k to the next
         self.lo, self.hi = np.divmod(self.keys, vertices.shape[0])
         runs_up = start < end
         owner = np.repeat(np.arange(n_triangle), 3)
@@ -276,7 +275,7 @@ class Surface:
         return ChainLinks(low[rows], high[rows], side[one[rows]] * side[other[rows]])
 
     def facing_opposite(self, segments: Ints, chain: Ints, links: ChainLinks) -> list[str]:
-        """Return which chains have opposite sides where flanks meet, if reversing helps."""
+        """Return which chains have opposite sides where flanks meet, if reversing some mends it."""
         turned, _ = links.alike(int(chain.max(initial=-1)) + 1)
         as_given = np.ones_like(turned)
         if links.disagree(turned).any() or not links.disagree(as_given).any():
