@@ -11,6 +11,7 @@ from shellcut.fracture.blade_drive import BladeDrive
 from shellcut.fracture.drawn_film import DrawnFilm
 from shellcut.fracture.entered_film import EnteredFilm
 from shellcut.fracture.flank_points import hand_on_stiffness
+from shellcut.fracture.own_cuts import OwnCuts
 from shellcut.fracture.ray_ahead import GRAZE, SNAP
 from shellcut.fracture.tip import Begun, Pierced, Tip
 from shellcut.mesh.structured import rectangle
@@ -313,6 +314,7 @@ def test_a_pierced_cut_joins_a_crack_that_comes_towards_it(monkeypatch):
     assert there[0] == pytest.approx(right, abs=0.1)
     begun = Begun(row, (0.0, 0.0), 0, Pierced(measure=1.0, force=0.0, delay=0.0, depth=0.0))
     monkeypatch.setattr(EnteredFilm, "entered_rows", lambda *_: [begun])
+    monkeypatch.setattr(OwnCuts, "at_own_tip", lambda *_: False)
     free.cut_due(sim.state, sim.pose)
     (tip,) = free.tips
     assert free.at_tips(sim.mesh.nodes)[0, 0] < middles[row, 0]

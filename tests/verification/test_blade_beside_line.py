@@ -60,12 +60,12 @@ def _check_path(sim, notched):
     assert len(sim.cracks.tips) == 1
 
 
-def _check_contact(sim, loses=0.003):
+def _check_contact(sim):
     """The faces are frictionless and the penalty elastic: contact keeps and gives nothing."""
     # Nodes born within a tenth of an edge of the mid-plane are set over to the other flank, and
     # the tool pays for it. Measured -4e-5 to 5e-4 of the work, 1.3e-3 in one run, by impacts.
     lost = sim.ledger.contact_work - sim.contact.forces.stored
-    assert -5e-4 * sim.ledger.tool_work < lost < loses * sim.ledger.tool_work
+    assert -5e-4 * sim.ledger.tool_work < lost < 0.003 * sim.ledger.tool_work
 
 
 CUTS = [("force", beside, True) for beside in (0.0, 0.1, -0.2, 0.3)]
@@ -98,8 +98,10 @@ def test_edges_of_the_film_that_the_blade_goes_through_do_not_press():
     # depth jumps, so a force there is no gradient: it would give the film 8 % of the work.
     sim, _ = _cut("force", -0.2, True, film_edges=True)
     _check_path(sim, True)
-    # Where the blade goes through an edge its springs let go: measured 1.3 % at 0.2 mm.
-    _check_contact(sim, loses=0.02)
+    # Where the blade goes through an edge its springs let go, and may give energy (docs/limits.md).
+    # From run to run this scatters: measured -1.1 to 0.3 % at 0.2 mm.
+    lost = sim.ledger.contact_work - sim.contact.forces.stored
+    assert abs(lost) < 0.03 * sim.ledger.tool_work
 
 
 def test_work_on_the_line_is_the_same_by_both_criteria():

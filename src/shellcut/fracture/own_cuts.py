@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shellcut.arrays import Floats, Ints, norm
+from shellcut.arrays import Floats, Ints, norm, product
 from shellcut.numerics.connected_parts import connected_parts
 from shellcut.state import State
 from shellcut.tool.tool import Tool
@@ -55,6 +55,11 @@ class OwnCuts:
         """Blade of each segment of them, shape (n_edge,)."""
         self._film, self._mesh_quads = film, mesh_quads
         self._n_known = 0
+        # Of the film without cuts: nodes, middles [mm] and directors of its quads.
+        self._whole = state.node.origin[mesh_quads]
+        self._middle = state.node.X[mesh_quads].mean(axis=1)
+        self._director = state.node.t[mesh_quads].sum(axis=1)
+        self._near: dict[int, Ints] = {}
         # Of the quads that each blade, or no blade, has cut.
         notched = state.node.origin[state.node.halved].tolist()
         self._corners: dict[int, set[int]] = {_NOBODY: set(notched)}
@@ -77,7 +82,7 @@ class OwnCuts:
     ) -> bool:
         """Return whether a place of a row is near a tip that its own blade drives.
 
-        In space, and in the film: a tip in another layer leaves it alone.
+        In space, and in the film without its cuts: a tip in another layer leaves it alone.
 
         place : (3,) [mm].  segment : of the blade.  tips : all that edges drive.
         """
@@ -85,7 +90,25 @@ class OwnCuts:
         reach = NEAR_A_TIP * self._film.size(row)
         near = np.flatnonzero(own & (norm(tips.x - place) < reach)).tolist()
         at_tips = [at for i in near for at, _ in self._film.rows_at_tip(tips.tips[i])]
-        return bool(at_tips) and bool(np.isin(at_tips, self._film.around(state, row, reach)).any())
+        parent = state.quad.parent
+        near_row = self._near_in_whole(int(parent[row]), reach + 2.0 * self._film.size(row))
+        return bool(at_tips) and bool(np.isin(parent[at_tips], near_row).any())
+
+    def _near_in_whole(self, quad: int, radius: float) -> Ints:
+        """Return the quads within a radius [mm] that are connected with one where nothing is cut.
+
+        Their directors agree with its own.
+        """
+        if quad not in self._near:
+            gap = norm(self._middle - self._middle[quad])
+            alike = product(self._director, self._director[quad]) > 0.0
+            near = np.flatnonzero((gap < radius) & alike)
+            # A quad is linked with its nodes.
+            n, (nodes, at) = len(near), np.unique(self._whole[near], return_inverse=True)
+            links = np.repeat(np.arange(n), 4), n + at.ravel()
+            part = connected_parts(*links, n + len(nodes))[:n]
+            self._near[quad] = near[part == part[near == quad]]
+        return self._near[quad]
 
     def _follow(self, state: State) -> None:
         """Note the corners of the quads that have been cut since the last call."""
