@@ -104,9 +104,9 @@ class OwnCuts:
             alike = product(self._director, self._director[quad]) > 0.0
             near = np.flatnonzero((gap < radius) & alike)
             # A quad is linked with its nodes.
-            n, (nodes, at) = len(near), np.unique(self._whole[near], return_inverse=True)
-            links = np.repeat(np.arange(n), 4), n + at.ravel()
-            part = connected_parts(*links, n + len(nodes))[:n]
+            nodes, at = np.unique(self._whole[near], return_inverse=True)
+            n = len(near)
+            part = connected_parts(np.repeat(np.arange(n), 4), n + at.ravel(), n + len(nodes))[:n]
             self._near[quad] = near[part == part[near == quad]]
         return self._near[quad]
 
