@@ -275,7 +275,7 @@ class Surface:
         return ChainLinks(low[rows], high[rows], side[one[rows]] * side[other[rows]])
 
     def facing_opposite(self, segments: Ints, chain: Ints, links: ChainLinks) -> list[str]:
-        """Return which chains have opposite sides where flanks meet, if reversing some corrects it."""
+        """Return which chains to reverse: those with opposite sides where their flanks meet."""
         turned, _ = links.alike(int(chain.max(initial=-1)) + 1)
         as_given = np.ones_like(turned)
         if links.disagree(turned).any() or not links.disagree(as_given).any():
