@@ -90,9 +90,12 @@ class OwnCuts:
         reach = NEAR_A_TIP * self._film.size(row)
         near = np.flatnonzero(own & (norm(tips.x - place) < reach)).tolist()
         at_tips = [at for i in near for at, _ in self._film.rows_at_tip(tips.tips[i])]
+        if not at_tips:
+            return False
         parent = state.quad.parent
+        # As far as the rows at a tip, whose middles are farther away than the tip itself.
         near_row = self._near_in_whole(int(parent[row]), reach + 2.0 * self._film.size(row))
-        return bool(at_tips) and bool(np.isin(parent[at_tips], near_row).any())
+        return bool(np.isin(parent[at_tips], near_row).any())
 
     def _near_in_whole(self, quad: int, radius: float) -> Ints:
         """Return the quads within a radius [mm] that are connected with one where nothing is cut.
